@@ -19,10 +19,10 @@ use super::console::Console;
 pub(crate) struct Arguments {
     /// The campaign file
     campaign: PathBuf,
-    /// The folder of the campaign, instead of the file's `output.folder`: products that are there, made from the same, are kept
+    /// The campaign's folder, instead of the file's `output.folder`: existing products with the same id are kept
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Make only the K-th of N parts: several processes can share a campaign and its folder
+    /// Make only shard K of N: several processes can share a campaign and its folder
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
     /// No products: only what the acquisitions see of the surface
@@ -36,7 +36,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let mut campaign = Campaign::open(&arguments.campaign, &watch)?;
     let folder = folder(arguments, &campaign)?;
     let order = Order { folder: &folder, shard: arguments.shard, coverage_only: arguments.coverage_only };
-    // What an acquisition takes is counted from the end of the one before.
+    // Time per acquisition is counted from the end of the one before.
     let before = Cell::new((Instant::now(), console.cpu_s()));
     let run = || {
         let (began, cpu_s) = before.get();
@@ -68,7 +68,7 @@ fn folder(arguments: &Arguments, campaign: &Campaign) -> Result<PathBuf> {
     })
 }
 
-/// What became of an acquisition, as a line of JSON.
+/// The status of an acquisition, as a line of JSON.
 fn line(status: &Status, seconds: f64) -> serde_json::Value {
     let state = match status.state {
         State::Done => "done",
@@ -85,18 +85,16 @@ fn line(status: &Status, seconds: f64) -> serde_json::Value {
     line
 }
 
-/// What it has come to, for people.
+/// The result, for people.
 fn say(finished: &Finished, console: &Console) {
     let Finished { counts: [done, kept, failed], manifest, path, others } = finished;
     console.note(&format!("{done} done, {kept} kept, {failed} failed"));
     for name in others {
-        console.note(&format!("warning: products/{name} is of no acquisition of this campaign"));
+        console.note(&format!("warning: products/{name} belongs to no acquisition of this campaign"));
     }
     match manifest {
         Some(manifest) => coverage(manifest, path).iter().for_each(|said| console.note(said)),
-        None => {
-            console.note("acquisitions of other parts are missing: whoever makes the last of them writes the manifest")
-        }
+        None => console.note("other shards are unfinished: the last one writes the manifest"),
     }
 }
 

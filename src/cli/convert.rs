@@ -142,7 +142,7 @@ struct Bands(Vec<Band>);
 fn bands(text: &str) -> std::result::Result<Bands, String> {
     let parts: Vec<&str> = text.split(':').collect();
     let number = |text: &str| text.parse::<f64>().ok().filter(|x| *x > 0.0 && x.is_finite());
-    let wanted = "FIRST:LAST:COUNT or FIRST:LAST:COUNT:WIDTH, as in 0.95:3.6:300:0.01";
+    let wanted = "FIRST:LAST:COUNT or FIRST:LAST:COUNT:WIDTH, e.g. 0.95:3.6:300:0.01";
     let (first, last, count, width) = match parts[..] {
         [first, last, count] => (first, last, count, None),
         [first, last, count, width] => (first, last, count, Some(width)),

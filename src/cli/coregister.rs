@@ -14,19 +14,19 @@ use super::dry_run::short;
 pub(crate) struct Arguments {
     /// The product folder of a tunable filter
     product: PathBuf,
-    /// Two bands, counted from 1: windows of the first are looked for in the second
+    /// Two bands, counted from 1: windows of the first are sought in the second
     #[arg(long, value_name = "A,B", value_parser = pair)]
     bands: [u32; 2],
     /// Pixels along a window's side, an odd number
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = odd)]
     window: u32,
-    /// Pixels that are searched in every direction
+    /// Search radius, pixels
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=255))]
     search: u32,
-    /// From one window to the next, pixels; default: a window's side
+    /// Spacing of windows, pixels; default: a window's side
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     step: Option<u32>,
-    /// Write all matches, and what is true, as a table
+    /// Write all matches and true shifts as a table
     #[arg(long, short, value_name = "FILE.csv")]
     output: Option<PathBuf>,
     /// Replace that file if it is there
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
 
 fn pair(text: &str) -> std::result::Result<[u32; 2], String> {
     let bands: Option<Vec<u32>> = text.split(',').map(|band| band.trim().parse().ok().filter(|n| *n > 0)).collect();
-    bands.and_then(|bands| bands.try_into().ok()).ok_or_else(|| "give two bands, counted from 1, as 1,300".to_owned())
+    bands.and_then(|bands| bands.try_into().ok()).ok_or_else(|| "give two bands, counted from 1, e.g. 1,300".to_owned())
 }
 
 fn odd(text: &str) -> std::result::Result<u32, String> {
@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         format!("none of {windows} windows matched: nothing in them stands out, or it moved farther than `--search`")
     } else {
         format!(
-            "{matched} of {windows} windows matched; off by {} pixels (median), {} (95 of 100); {} % within half a pixel",
+            "{matched} of {windows} windows matched; error {} pixels (median), {} (95th percentile); {} % within half a pixel",
             short(median_px),
             short(p95_px),
             short(100.0 * within_half)

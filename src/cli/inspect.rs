@@ -58,8 +58,8 @@ pub(crate) struct Arguments {
 const BUILT_IN_SUN: &str = "e490";
 
 fn pixel(text: &str) -> std::result::Result<(usize, usize), String> {
-    let number = |text: &str| text.trim().parse().map_err(|_| "two whole numbers, as in 128,64".to_owned());
-    let (sample, line) = text.split_once(',').ok_or("two whole numbers, as in 128,64")?;
+    let number = |text: &str| text.trim().parse().map_err(|_| "two whole numbers, e.g. 128,64".to_owned());
+    let (sample, line) = text.split_once(',').ok_or("two whole numbers, e.g. 128,64")?;
     Ok((number(sample)?, number(line)?))
 }
 
@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     if arguments.picture.is_none() && path.is_file() && ephemeris::is_kernel(path)? {
         return tell(kernel(path)?, arguments, console);
     }
-    // Of a product, the cube is the image.
+    // For a product, the cube is the image.
     let cube = path.join("cube.img");
     let path = if arguments.picture.is_some() && cube.is_file() { &cube } else { path };
     let found = match path.is_file().then(|| registry::of_input(path)) {
@@ -457,7 +457,7 @@ fn recipe(path: &Path) -> Result<Facts> {
     ])
 }
 
-/// A spectrum of a surface or of the Sun, or a table that is no spectrum but is read the same way.
+/// A spectrum of a surface or of the Sun, or a table that is not a spectrum but is read the same way.
 fn spectrum(path: &Path, console: &Console) -> Result<Facts> {
     if let Some((facets, bands)) = radiance_map::facets_of(path)? {
         let bands = bands.iter().map(|band| json!({ "um": band.centre_um, "fwhm_um": band.fwhm_um }));

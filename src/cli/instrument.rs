@@ -23,10 +23,10 @@ pub(crate) struct Arguments {
     /// Replace an existing product folder
     #[arg(long)]
     force: bool,
-    /// Blur means of pixels, which hold no detail below a pixel: an approximation
+    /// Blur pixel means, which lack subpixel detail: an approximation
     #[arg(long)]
     approximate: bool,
-    /// Lines of the cube were taken one after the other, by the same elements of the detector
+    /// The lines share detector elements, as for a push-broom
     #[arg(long)]
     by_line: bool,
 }

@@ -20,7 +20,7 @@ use super::dry_run::short;
 pub(crate) struct Arguments {
     /// The scene file, or a campaign's; with --ortho also a product folder, whose image is mapped
     scene: PathBuf,
-    /// Of a campaign, which acquisition
+    /// The acquisition of a campaign
     #[arg(long, value_name = "NAME")]
     acquisition: Option<String>,
     /// A place of the image, pixels from the outer corner of the first pixel: the middle of the first pixel is 0.5,0.5
@@ -32,16 +32,17 @@ pub(crate) struct Arguments {
     /// A table of places (columns sample, line) or points (x_m, y_m, z_m), each of a `band` if it has that column
     #[arg(long, value_name = "FILE.csv", group = "asked")]
     points: Option<PathBuf>,
-    /// How far off pixels are placed by who knows pointing, orbit, clock, lens and shape as well as this file says (schemas/knowledge.schema.json)
+    /// Geolocation error per pixel, from the uncertainties in this file (schemas/knowledge.schema.json)
     #[arg(long, value_name = "KNOWLEDGE.toml", group = "asked", conflicts_with_all = ["pixel", "ground", "points"])]
     knowledge: Option<PathBuf>,
-    /// With --knowledge: one pixel of N in either direction. Default: so that at most 256 are told; 1 is all
+    /// With --knowledge: every N-th pixel in either direction; 1 is all. Default: at most 256 pixels
     #[arg(long, value_name = "N", requires = "knowledge", value_parser = clap::value_parser!(u32).range(1..))]
     every: Option<u32>,
-    /// Lay the image on a map: `tangent:CELL`, the plane through the scene's origin, m, or `plate-carree:CELL`, longitudes and latitudes, deg
+    /// Orthorectify the image: `tangent:CELL`, the plane through the scene's origin, m, or `plate-carree:CELL`,
+    /// longitudes and latitudes, deg
     #[arg(long, value_name = "MAP:CELL", group = "asked", conflicts_with_all = ["pixel", "ground", "points", "knowledge", "acquisition"], requires = "output", value_parser = map)]
     ortho: Option<MapWish>,
-    /// With --ortho: west, south, east and north borders of the map, in its unit; default: around what the image shows
+    /// With --ortho: west, south, east and north borders of the map, in its unit; default: the image's extent
     #[arg(long, value_name = "W,S,E,N", requires = "ortho", value_parser = borders, allow_hyphen_values = true)]
     borders: Option<[f64; 4]>,
     /// With --ortho of a product of a campaign: the campaign's file
@@ -50,7 +51,7 @@ pub(crate) struct Arguments {
     /// Write the camera for other programs: image support data (ISD) for the models of usgscsm
     #[arg(long, value_name = "OUT.json", group = "asked", conflicts_with_all = ["pixel", "ground", "points", "knowledge", "ortho", "output"])]
     isd: Option<PathBuf>,
-    /// The band, counted from 1, of a sensor that takes one after the other. Default: the reference, the middle one
+    /// The band, counted from 1, of a sensor that takes bands one after another. Default: the middle one, the reference
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     band: Option<u32>,
     /// Write the answers as a table, instead of printing them; with --knowledge a folder with errors.csv, errors.img (of the pixels told) and errors.json, with --ortho one with ortho.img, lookup.npz and ortho.json
@@ -64,7 +65,7 @@ pub(crate) struct Arguments {
 fn numbers<const N: usize>(text: &str, example: &str) -> std::result::Result<[f64; N], String> {
     let values: Option<Vec<f64>> =
         text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
-    values.and_then(|values| values.try_into().ok()).ok_or_else(|| format!("give {N} numbers, as {example}"))
+    values.and_then(|values| values.try_into().ok()).ok_or_else(|| format!("give {N} numbers, e.g. {example}"))
 }
 
 fn pixel(text: &str) -> std::result::Result<Place, String> {
@@ -85,9 +86,9 @@ fn map(text: &str) -> std::result::Result<MapWish, String> {
         let cell = cell.trim().parse().ok().filter(|cell: &f64| *cell > 0.0 && cell.is_finite())?;
         Some(MapWish { plate_carree, cell, borders: None })
     };
-    text.split_once(':')
-        .and_then(known)
-        .ok_or_else(|| "give tangent:CELL, as tangent:5 (m), or plate-carree:CELL, as plate-carree:0.01 (deg)".into())
+    text.split_once(':').and_then(known).ok_or_else(|| {
+        "give tangent:CELL, e.g. tangent:5 (m), or plate-carree:CELL, e.g. plate-carree:0.01 (deg)".into()
+    })
 }
 
 fn point(text: &str) -> std::result::Result<DVec3, String> {
@@ -137,7 +138,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// How far off pixels are placed.
+/// Geolocation errors.
 fn errors(arguments: &Arguments, known: &Path, band: Option<usize>, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     if let Some(target) = &arguments.output {
@@ -159,7 +160,7 @@ fn errors(arguments: &Arguments, known: &Path, band: Option<usize>, console: &Co
     Ok(Outcome::Done)
 }
 
-/// The image as a map.
+/// Orthorectification.
 fn mapped(arguments: &Arguments, wish: (MapWish, Option<usize>), target: &Path, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle(target, console)?;
@@ -174,7 +175,7 @@ fn mapped(arguments: &Arguments, wish: (MapWish, Option<usize>), target: &Path, 
     Ok(Outcome::Done)
 }
 
-/// How far off pixels are along the ground, by source.
+/// Horizontal errors, by source.
 fn summary_text(rows: &[Row]) -> String {
     let heading =
         ["source", "pixels", "mean, m", "rms, m", "p95, m", "max, m", "rms, px", "p95, px"].map(str::to_owned);

@@ -1,4 +1,5 @@
-//! Trajectories and orientations together: where anything is about anything, along whose axes one likes.
+//! Trajectories and orientations together: position, velocity and attitude of any object relative to any other, in any
+//! frame.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -14,26 +15,26 @@ use crate::units::LIGHT_SPEED_M_S;
 /// Obliquity of the ecliptic at J2000, arcsec: 84381.448 (Lieske 1976), as in SPICE's ECLIPJ2000.
 const OBLIQUITY_ARCSEC: f64 = 84_381.448;
 
-/// What light does on its way.
+/// Correction for the finite speed of light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Correction {
-    /// Nothing: it arrives at once.
+    /// None: geometric positions.
     #[default]
     None,
-    /// It takes time: the target is seen where it was.
+    /// Light time: the target is where it was when the light left it.
     LightTime,
-    /// It takes time, and comes from a direction that the observer's velocity shifts.
+    /// Light time and stellar aberration by the observer's velocity.
     LightTimeAndAberration,
 }
 
-/// All that is known of where things are and how they are turned. Of two that know the same, the one that came later holds.
+/// All loaded trajectories and orientations; where two overlap, the later-loaded one is used.
 #[derive(Debug, Clone)]
 pub struct Almanac {
-    /// Where things are.
+    /// Trajectories.
     pub trajectories: Vec<Trajectory>,
-    /// Where things are, roughly: for where nothing else is known.
+    /// Approximate trajectories, used only where no file covers a body at any time.
     pub rough: Vec<Trajectory>,
-    /// How frames are turned.
+    /// Orientations of frames.
     pub orientations: Vec<Orientation>,
     /// Leap seconds, by which UTC in files was read.
     pub leap: LeapSeconds,
@@ -44,7 +45,7 @@ pub struct Almanac {
 }
 
 impl Default for Almanac {
-    /// Without trajectories; with the ecliptic, and the rotations of Mars, Phobos and Deimos (`IAU_MARS` ...).
+    /// No trajectories; orientations of the ecliptic, Mars, Phobos and Deimos (`IAU_MARS` ...).
     fn default() -> Self {
         let orientation = |frame: &str, turning: Turning, source: &str| Orientation {
             frame: frame.to_owned(),
@@ -71,13 +72,13 @@ impl Default for Almanac {
 }
 
 impl Almanac {
-    /// With rough trajectories of Mars and its moons: see [`Elements`](super::Elements).
+    /// Adds approximate trajectories of Mars and its moons: see [`Elements`](super::Elements).
     pub fn with_rough_trajectories() -> Self {
         Almanac { rough: mars_system::roughly(), ..Almanac::default() }
     }
 
-    /// The state of a target about a centre, along the axes of a frame: its velocity is that of inertial axes, turned into the frame's. Rough trajectories serve
-    /// where no file knows.
+    /// The state of a target relative to a centre, in a frame frozen at that epoch: for a rotating frame the velocity
+    /// is the inertial one, rotated into its axes. Approximate trajectories serve bodies that no file covers.
     ///
     /// # Errors
     /// [`Error::Invalid`] that says what is not known, and when it would be.
@@ -97,8 +98,8 @@ impl Almanac {
         Ok(sum)
     }
 
-    /// Where a target is about a centre, along the axes of a frame, m, by files alone: what is rough is off by hundreds of kilometres, which matters little for
-    /// where light comes from, and all for where a camera is.
+    /// The position of a target relative to a centre, in a frame, m, by files alone: approximate trajectories are off by
+    /// hundreds of kilometres, which is good enough for light sources, but not for a camera.
     ///
     /// # Errors
     /// As [`state`](Almanac::state).
@@ -112,7 +113,8 @@ impl Almanac {
         Ok(sum_m)
     }
 
-    /// Goes from a target to a centre, both by their names here: each link with its state in its own frame, and 1, or -1 if it is gone back.
+    /// Passes the links from a target to a centre (resolved names): each with its state in its own frame, and 1, or -1
+    /// if it is reversed.
     fn links(
         &self,
         target: &str,
@@ -134,8 +136,8 @@ impl Almanac {
         Ok(())
     }
 
-    /// How fast components along a frame's axes change into those along inertial ones: the derivative of the rotation from it, 1/s. By a central difference, or to one side where the
-    /// other is not known: at the rates of planets and spacecraft (1e-3 rad/s) it is off by 2e-9 and 3e-9 of itself.
+    /// The time derivative of the rotation from a frame to J2000, 1/s: a central difference, one-sided at the ends of
+    /// the data. At 1e-3 rad/s, its relative error is 2e-9 and 3e-9.
     fn turning_per_s(&self, frame: &str, epoch: Epoch) -> Result<DMat3> {
         /// Half the time between two rotations, s.
         const BESIDE_S: f64 = 0.1;
@@ -150,7 +152,7 @@ impl Almanac {
         Ok((second * 4.0 - first - third * 3.0) * (0.5 * forward / BESIDE_S))
     }
 
-    /// Whether where a target is about a centre is known by the rough trajectories alone.
+    /// Whether the position of a target relative to a centre comes from the approximate trajectories alone.
     pub fn is_rough(&self, target: &str, centre: &str) -> bool {
         let exact: Vec<&Trajectory> = self.trajectories.iter().collect();
         !self.rough.is_empty() && !is_known(&exact, &self.names.body(target), &self.names.body(centre))
@@ -172,10 +174,10 @@ impl Almanac {
         Ok(rotation)
     }
 
-    /// Where a target appears to an observer, along the axes of a frame, m, and for how long its light has been on its way, s.
+    /// Apparent position of a target from an observer, in the axes of a frame, m, and its light time, s.
     ///
-    /// Positions are subtracted about `base`, a body that both are known about and that does not accelerate as far as light time is
-    /// concerned: the solar system's barycentre if trajectories reach it.
+    /// Both positions are taken from `base`, a body whose acceleration over the light time is negligible: the solar
+    /// system's barycentre if the trajectories reach it.
     ///
     /// # Errors
     /// As [`state`](Almanac::state).
@@ -195,7 +197,7 @@ impl Almanac {
         let from = self.state(observer, &base, J2000, epoch)?;
         let mut light_s = 0.0;
         let mut to_m = DVec3::ZERO;
-        // Each step gains four digits: speeds are below 1e-4 of that of light.
+        // Each iteration gains four digits: speeds are below 1e-4 c.
         for _ in 0..5 {
             to_m = self.state(target, &base, J2000, epoch.after_s(-light_s))?.position_m - from.position_m;
             let next_s = to_m.length() / LIGHT_SPEED_M_S;
@@ -218,18 +220,19 @@ impl Almanac {
         }
     }
 
-    /// The constant of gravitation times the mass of a body, m^3/s^2, if a text kernel has it (`BODYn_GM`).
+    /// GM of a body, m^3/s^2, if a text kernel has it (`BODYn_GM`).
     pub fn gm_m3_s2(&self, body: &str) -> Option<f64> {
         self.of_body(body, "GM")?.first().map(|gm| gm * KM_M.powi(3))
     }
 
-    /// Numbers of a body in text kernels.
+    /// A body's numeric variables in text kernels.
     fn of_body(&self, body: &str, what: &str) -> Option<&[f64]> {
         let id = self.names.id(&self.names.body(body))?;
         self.pool.numbers(&format!("BODY{id}_{what}")).ok()?
     }
 
-    /// The body about which both are known and that moves least: the barycentre of the solar system, the Sun, or the observer itself.
+    /// The body relative to which both are known and that accelerates least: the solar system's barycentre, the Sun, or
+    /// the observer itself.
     fn base_of(&self, target: &str, observer: &str, epoch: Epoch) -> String {
         let reaches = |base: &&str| {
             self.state(target, base, J2000, epoch).is_ok() && self.state(observer, base, J2000, epoch).is_ok()
@@ -238,24 +241,26 @@ impl Almanac {
         base.map_or_else(|| self.names.body(observer), str::to_owned)
     }
 
-    /// Why a state is not known.
+    /// Error for an unknown position, with the coverage there is.
     fn no_way(&self, target: &str, centre: &str, epoch: Epoch) -> Error {
         let at = Location::item("flight");
         let about: Vec<String> = self
             .trajectories
             .iter()
             .filter(|of| of.target == *target || of.centre == *target || of.target == *centre || of.centre == *centre)
-            .map(|of| format!("{} knows {} about {} {}", of.source, of.target, of.centre, known(&of.spans(), epoch)))
+            .map(|of| {
+                format!("{} covers {} relative to {} {}", of.source, of.target, of.centre, known(&of.spans(), epoch))
+            })
             .collect();
-        let message = format!("where {target} is about {centre} is not known at {epoch}");
+        let message = format!("the position of {target} relative to {centre} is unknown at {epoch}");
         let help = match about.is_empty() {
-            true => format!("no file says where {target} or {centre} is: give one (OEM, SPK)"),
+            true => format!("no file covers {target} or {centre}: add one (OEM, SPK)"),
             false => {
                 let exact: Vec<&Trajectory> = self.trajectories.iter().collect();
                 let ends = [target, centre].map(|name| end(&exact, name));
                 let between = match is_known(&exact, target, centre) {
                     true => String::new(),
-                    false => format!("; no file says where {} is about {}: give one (OEM, SPK)", ends[1], ends[0]),
+                    false => format!("; no file covers {} relative to {}: add one (OEM, SPK)", ends[1], ends[0]),
                 };
                 about.join("; ") + &between
             }
@@ -263,7 +268,7 @@ impl Almanac {
         Error::Invalid(vec![Problem::new(at, message).with_help(help)])
     }
 
-    /// Why a rotation is not known.
+    /// Error for an unknown orientation, with the coverage there is.
     fn no_turn(&self, to: &str, from: &str, epoch: Epoch) -> Error {
         let at = Location::item("flight");
         let about: Vec<String> = self
@@ -274,10 +279,10 @@ impl Almanac {
             })
             .map(|of| {
                 let when = of.spans().map_or("at all times".into(), |spans| known(&spans, epoch));
-                format!("{} knows {} in {} {when}", of.source, of.frame, of.base)
+                format!("{} covers {} relative to {} {when}", of.source, of.frame, of.base)
             })
             .collect();
-        let message = format!("how {to} is turned in {from} is not known at {epoch}");
+        let message = format!("the orientation of {to} relative to {from} is unknown at {epoch}");
         let help = match about.is_empty() {
             true => {
                 let frames: Vec<&str> = self.orientations.iter().map(|of| of.frame.as_str()).collect();
@@ -289,8 +294,8 @@ impl Almanac {
     }
 }
 
-/// The direction in which an observer of this velocity sees a target, at its distance: turned towards the velocity by asin(v / c sin), as SPICE
-/// has it.
+/// Stellar aberration as in SPICE: the target, at its distance, turned towards the observer's velocity by asin(v / c
+/// sin).
 fn aberrated(to_m: DVec3, velocity_m_s: DVec3) -> DVec3 {
     let across = to_m.cross(velocity_m_s);
     let sin = across.length() / (to_m.length() * LIGHT_SPEED_M_S);
@@ -300,28 +305,28 @@ fn aberrated(to_m: DVec3, velocity_m_s: DVec3) -> DVec3 {
     }
 }
 
-/// A link, and whether it is gone along (from its thing to its base) or back.
+/// A link, and whether it is followed forwards (from object to base) or backwards.
 type Step<'a, T> = (&'a T, bool);
 
-/// A name that the search has come to, from which entry, and by which step.
+/// A node of the search: its name, the entry it was reached from, and the step.
 struct Reached<'a, T> {
     name: &'a str,
     from: usize,
     by: Option<Step<'a, T>>,
 }
 
-/// Whether some trajectories lead from a target to a centre, at whatever time.
+/// Whether some trajectories connect a target to a centre, at whatever time.
 fn is_known(all: &[&Trajectory], target: &str, centre: &str) -> bool {
     search(all, target, centre, |of| (&of.target, &of.centre), |_| true).is_some()
 }
 
-/// The last thing that links lead to from another one: what they are all about.
+/// The last centre that links lead to from a name.
 fn end<'a>(all: &'a [&Trajectory], name: &'a str) -> &'a str {
     let way = climb(all, name, &|of: &'a &Trajectory| (&of.target, &of.centre), &|_| true);
     way.last().map_or(name, |of| of.centre.as_str())
 }
 
-/// The steps that lead from a target to a centre at a moment.
+/// The steps from a target to a centre at an epoch.
 fn way<'a>(
     all: &'a [&'a Trajectory],
     target: &'a str,
@@ -331,8 +336,8 @@ fn way<'a>(
     chain(all, target, centre, |of| (&of.target, &of.centre), |of| of.knows(at))
 }
 
-/// The steps that lead from `to` to `from`. As in SPICE, each thing is where the last link that knows it says: up from both ends, to where
-/// the ways meet. If they do not meet, links may also be gone back: the fewest steps, and of as many the later links.
+/// The steps from `to` to `from`. As in SPICE: climb from both bodies by the last link that covers each until they
+/// meet; else the shortest path, links reversed if need be, later links preferred.
 fn chain<'a, T>(
     links: &'a [T],
     to: &'a str,
@@ -353,7 +358,7 @@ fn chain<'a, T>(
     search(links, to, from, ends, holds)
 }
 
-/// From a thing to its base by the last link that knows it, from there on likewise, until nothing is known or it was there before.
+/// Climbs from an object by the last link that covers it, until nothing is known or a node repeats.
 fn climb<'a, T>(
     links: &'a [T],
     first: &'a str,
@@ -373,7 +378,7 @@ fn climb<'a, T>(
     way
 }
 
-/// The fewest steps that lead from `to` to `from`, and of as many the links that come later in the list.
+/// The shortest path from `from` to `to`; of equally short ones, by links that come later in the list.
 fn search<'a, T>(
     links: &'a [T],
     to: &'a str,
@@ -403,7 +408,7 @@ fn search<'a, T>(
     None
 }
 
-/// The steps by which an entry was reached, from the first on.
+/// The steps by which an entry was reached, first to last.
 fn steps_to<'a, T>(reached: &[Reached<'a, T>], mut entry: usize) -> Vec<Step<'a, T>> {
     let mut steps = Vec::new();
     while let Some(step) = reached[entry].by {

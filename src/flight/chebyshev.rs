@@ -1,6 +1,6 @@
-//! Series of Chebyshev polynomials by intervals of time, as kernels of SPICE hold them.
+//! Chebyshev series by intervals of time, as SPICE kernels hold them.
 
-/// Records of one length, one after the other in time; each has a series for some components.
+/// Records of equal length, consecutive in time; each holds a series for some components.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chebyshev {
     /// Where the first interval starts, s of TDB since J2000.
@@ -9,14 +9,14 @@ pub struct Chebyshev {
     pub interval_s: f64,
     /// Coefficients of one series.
     pub terms: usize,
-    /// Series in a record: 3, or 6 with those of derivatives.
+    /// Series per record: 3, or 6 with those of the derivatives.
     pub series: usize,
-    /// For each record: its middle and half its length, s, as stored, then its series.
+    /// For each record its midpoint and half length, s, then its series.
     pub records: Vec<f64>,
 }
 
 impl Chebyshev {
-    /// Whether numbers and lengths fit together.
+    /// Whether counts and lengths are consistent.
     pub fn is_sound(&self) -> bool {
         let size = self.record();
         self.terms > 0
@@ -33,7 +33,8 @@ impl Chebyshev {
         2 + self.terms * self.series
     }
 
-    /// The first three series, and their derivatives per s (stored ones, if there are), at a moment, s; outside, those of the nearest record.
+    /// The first three series and their derivatives per s (stored ones, if any) at a time, s; outside, those of the
+    /// nearest record.
     pub fn at(&self, tdb_s: f64) -> [[f64; 3]; 2] {
         let count = self.records.len() / self.record();
         #[allow(

@@ -1,4 +1,4 @@
-//! Moments, and the scales in which clocks tell them.
+//! Epochs and time scales.
 
 use std::fmt;
 
@@ -11,13 +11,13 @@ const TAI_GPS_S: f64 = 19.0;
 /// Days from 1970-01-01 to 2000-01-01.
 const DAYS_1970_2000: i64 = 10_957;
 
-/// A moment: seconds of barycentric dynamical time (TDB) since J2000, which is 2000-01-01 12:00:00 TDB.
+/// An epoch: seconds of barycentric dynamical time (TDB) since J2000, which is 2000-01-01 12:00:00 TDB.
 ///
-/// In 2026 neighbouring numbers are 0.12 us apart, in which Phobos moves 0.25 mm.
+/// In 2026 the resolution is 0.12 us, in which Phobos moves 0.25 mm.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Epoch(f64);
 
-/// A scale of time.
+/// A time scale.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     /// Coordinated universal time, with leap seconds; from 1972.
@@ -26,7 +26,7 @@ pub enum Scale {
     Tai,
     /// Terrestrial time: TAI + 32.184 s.
     Tt,
-    /// Barycentric dynamical time, called ET in SPICE: TT and at most 1.7 ms.
+    /// Barycentric dynamical time (ET in SPICE): within 1.7 ms of TT.
     Tdb,
     /// Time of the GPS: TAI - 19 s.
     Gps,
@@ -57,10 +57,10 @@ impl Scale {
     }
 }
 
-/// How UTC and TDB follow from TAI: the contents of a leapseconds kernel.
+/// UTC and TDB from TAI: the contents of a leapseconds kernel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeapSeconds {
-    /// (days from 2000-01-01 to the day from which it holds, TAI - UTC in s), in the order of time.
+    /// (first day, counted from 2000-01-01; TAI - UTC, s), ascending.
     steps: Vec<(i64, f64)>,
     /// Amplitude of TDB - TT, s.
     amplitude_s: f64,
@@ -90,8 +90,8 @@ impl Default for LeapSeconds {
 }
 
 impl LeapSeconds {
-    /// From (days from 2000-01-01 to the day from which it holds, TAI - UTC in s) in the order of time, and NAIF's numbers for TDB: K, EB,
-    /// M0 and M1.
+    /// From (first day, counted from 2000-01-01; TAI - UTC, s), ascending, and NAIF's constants of TDB: K, EB, M0 and
+    /// M1.
     ///
     /// # Errors
     /// What is wrong with them, as a sentence.
@@ -105,7 +105,7 @@ impl LeapSeconds {
         Ok(LeapSeconds { steps, amplitude_s: k, eccentricity: eb, anomaly: [m0, m1] })
     }
 
-    /// How many steps there are, and the last: (days from 2000-01-01, TAI - UTC in s).
+    /// The number of steps, and the last: (day counted from 2000-01-01, TAI - UTC in s).
     pub fn last_step(&self) -> (usize, Option<(i64, f64)>) {
         (self.steps.len(), self.steps.last().copied())
     }
@@ -143,10 +143,10 @@ impl Epoch {
     pub const FIRST: Epoch = Epoch(-Self::MOST_S);
     /// The latest there is.
     pub const LAST: Epoch = Epoch(Self::MOST_S);
-    /// Earliest and latest that is accepted, s: 100,000 years from J2000.
+    /// Limit of accepted epochs, s: 100,000 years from J2000.
     const MOST_S: f64 = 3.2e12;
 
-    /// This many seconds of TDB after J2000; `None` if it is not finite, or more than 100,000 years away.
+    /// From seconds of TDB after J2000; `None` if not finite, or more than 100,000 years away.
     pub fn from_tdb_s(tdb_s: f64) -> Option<Self> {
         (tdb_s.abs() <= Self::MOST_S).then_some(Epoch(tdb_s))
     }
@@ -166,7 +166,7 @@ impl Epoch {
         self.0 / DAY_S
     }
 
-    /// Later by some seconds, or earlier; it stays within 100,000 years of J2000.
+    /// Later by some seconds of TDB (or earlier), clamped to 100,000 years from J2000.
     #[must_use]
     pub fn after_s(self, seconds: f64) -> Self {
         Epoch((self.0 + seconds).clamp(-Self::MOST_S, Self::MOST_S))
@@ -177,7 +177,7 @@ impl Epoch {
         Self::from_tdb_s(self.0 + seconds)
     }
 
-    /// Later by some seconds of clocks on the ground (TT, and UTC between two leaps), which TDB runs ahead of and behind by turns.
+    /// Later by some seconds of TT (and of UTC between leap seconds), against which TDB varies periodically.
     #[must_use]
     pub fn after_tt_s(self, seconds: f64, leap: &LeapSeconds) -> Self {
         Epoch(leap.tdb_of_tt_s(self.tt_s(leap) + seconds).clamp(-Self::MOST_S, Self::MOST_S))
@@ -194,8 +194,8 @@ impl Epoch {
         self.0 - other.0
     }
 
-    /// Reads `2026-01-31T12:00:00.5`, `2026-031T12:00:00.5` or `2026-01-31`, with a blank in place of `T` if that is what is there. A scale
-    /// after it (`Z`, ` UTC`, ` TDB`) stands before `scale`.
+    /// Reads `2026-01-31T12:00:00.5`, `2026-031T12:00:00.5` or `2026-01-31`; a space may replace `T`. A scale suffix
+    /// (`Z`, ` UTC`, ` TDB`) overrides `scale`.
     ///
     /// # Errors
     /// What is wrong with it, as a sentence.
@@ -203,18 +203,18 @@ impl Epoch {
         let (clock, named) = split_scale(text.trim());
         let scale = match (named, scale) {
             (Some(name), _) => {
-                Scale::named(name).ok_or_else(|| format!("{name:?}: scales of time are UTC, TAI, TT, TDB and GPS"))?
+                Scale::named(name).ok_or_else(|| format!("{name:?}: time scales are UTC, TAI, TT, TDB and GPS"))?
             }
             (None, Some(scale)) => scale,
-            (None, None) => return Err(format!("{text:?} has no scale of time: write {text} UTC, or TDB")),
+            (None, None) => return Err(format!("{text:?} has no time scale: write {text} UTC, or TDB")),
         };
         let (day, second_s) = parse_clock(clock).ok_or_else(|| {
-            format!("{text:?} is not a time: expected one as 2026-01-31T12:00:00.5 or 2026-031T12:00:00.5")
+            format!("{text:?} is not a time: expected e.g. 2026-01-31T12:00:00.5 or 2026-031T12:00:00.5")
         })?;
         Self::of_clock(day, second_s, scale, leap).map_err(|why| format!("{text:?}: {why}"))
     }
 
-    /// Of a day, counted from 2000-01-01, and seconds in it.
+    /// From a day, counted from 2000-01-01, and seconds of that day.
     fn of_clock(day: i64, second_s: f64, scale: Scale, leap: &LeapSeconds) -> Result<Self, String> {
         let day_s = if scale == Scale::Utc { leap.day_s(day) } else { DAY_S };
         if second_s >= day_s {
@@ -242,7 +242,7 @@ impl Epoch {
         Epoch::from_tdb_s(tdb_s).ok_or_else(|| "is more than 100,000 years away".into())
     }
 
-    /// A day, counted from 2000-01-01, and seconds in it.
+    /// The day, counted from 2000-01-01, and seconds of that day.
     fn clock(self, scale: Scale, leap: &LeapSeconds) -> (i64, f64) {
         let tdb_s = self.0;
         let tt_s = self.tt_s(leap);
@@ -259,7 +259,7 @@ impl Epoch {
             Scale::Gps => split(tt_s - TT_TAI_S - TAI_GPS_S),
             Scale::Utc => {
                 let (day, _) = split(tt_s - TT_TAI_S);
-                // The day of UTC begins after that of TAI: at first it may still be the day before.
+                // The UTC day begins after that of TAI: at first it may still be the day before.
                 let at = |day: i64| {
                     leap.offset_s(day).or_else(|| leap.steps.first().map(|(_, offset_s)| *offset_s)).unwrap_or(0.0)
                 };
@@ -298,7 +298,7 @@ impl fmt::Display for Epoch {
     }
 }
 
-/// What stands before a scale's name, and that name.
+/// Splits a trailing time scale from the text before it.
 fn split_scale(text: &str) -> (&str, Option<&str>) {
     if let Some(clock) = text.strip_suffix(['Z', 'z']) {
         return (clock, Some("UTC"));

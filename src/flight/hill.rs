@@ -1,8 +1,8 @@
-//! Hill's problem: orbits about a small body that itself circles a planet, as quasi-satellite orbits about Phobos.
+//! Hill's problem: orbits about a small body that itself orbits a planet, e.g. quasi-satellite orbits about Phobos.
 //!
-//! Axes turn with the body's motion about the planet: x points away from the planet or towards it (the equations are the same for both), z
-//! along the normal of the orbit. With n the mean motion and mu the body's GM (Hill 1878; Suarez & Ryba in Scheeres, *Orbital Motion in
-//! Strongly Perturbed Environments*, 2012, 10.1):
+//! Axes rotate with the body's orbital motion: x along the planet-body line (the equations hold for either sign), z
+//! along the orbit normal. With n the mean motion and mu the body's GM (Hill 1878; Suarez & Ryba in Scheeres, *Orbital
+//! Motion in Strongly Perturbed Environments*, 2012, 10.1):
 //!
 //! x'' = 2 n y' + 3 n^2 x - mu x / r^3, y'' = -2 n x' - mu y / r^3, z'' = -n^2 z - mu z / r^3
 
@@ -10,16 +10,18 @@ use glam::DVec3;
 
 use super::{Epoch, Span, State};
 
-/// Terms of a Taylor series: with so many a step is as long as a tenth of a revolution at full precision.
+/// Terms of a Taylor series; with 26 a step spans a tenth of a revolution at full precision.
 const TERMS: usize = 26;
-/// More steps than any orbit that is worth flying takes in a year.
+/// Step limit: more than any useful orbit takes in a year.
 const MOST_STEPS: usize = 200_000;
+/// Largest radial velocity, over the speed, at the second crossing of an orbit that closes.
+const CLOSED: f64 = 1e-9;
 /// Mean motion of Phobos about Mars, rad/s: 2 pi / 27 553.84 s (0.31891 d).
 pub const PHOBOS_MEAN_MOTION_RAD_S: f64 = 2.0 * std::f64::consts::PI / 27_553.84;
 /// GM of Phobos, m^3 s^-2 (NAIF's kernel gm_de440).
 pub const PHOBOS_GM_M3_S2: f64 = 7.087_546_066_894_452e5;
 
-/// A body that circles a planet.
+/// A body that orbits a planet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hill {
     /// n, of the body about the planet, rad/s.
@@ -32,7 +34,7 @@ impl Hill {
     /// Phobos about Mars.
     pub const PHOBOS: Hill = Hill { mean_motion_rad_s: PHOBOS_MEAN_MOTION_RAD_S, gm_m3_s2: PHOBOS_GM_M3_S2 };
 
-    /// Jacobi's constant, m^2 s^-2: it stays the same along an orbit.
+    /// Jacobi constant, m^2 s^-2: conserved along an orbit.
     pub fn jacobi_m2_s2(&self, state: State) -> f64 {
         let (p, n) = (state.position_m, self.mean_motion_rad_s);
         0.5 * state.velocity_m_s.length_squared()
@@ -65,7 +67,8 @@ impl Hill {
         p
     }
 
-    /// Steps along an orbit, forwards or backwards, until `is_enough` says so of the last; `None` if it falls onto the body's centre.
+    /// Steps along an orbit, forwards or backwards, until `is_enough` accepts the last step; `None` if it hits the
+    /// body's centre.
     fn steps(&self, from: State, forwards: bool, mut is_enough: impl FnMut(&Step) -> bool) -> Option<Vec<Step>> {
         let (mut state, mut start_s) = (from, 0.0);
         let mut all = Vec::new();
@@ -96,7 +99,7 @@ impl Hill {
         self.next_zero(from, |state| state.position_m.y, |state| state.velocity_m_s.y)
     }
 
-    /// When a quantity with this rate next passes 0 after it has left it, s, and the state there.
+    /// When a quantity with this rate next returns to 0, s, and the state there.
     fn next_zero(&self, from: State, of: impl Fn(State) -> f64, rate: impl Fn(State) -> f64) -> Option<(f64, State)> {
         let mut before: f64 = 0.0;
         let passed = |step: &Step| {
@@ -122,14 +125,14 @@ impl Hill {
         at.is_finite().then(|| (step.start_s + at, step.state(at)))
     }
 
-    /// The planar quasi-satellite orbit that crosses the x axis at right angles at `x0_m`, against the sense of the axes' turn: symmetric,
-    /// so it closes. `None` if there is none: too near to the body.
+    /// The planar quasi-satellite orbit that crosses the x axis at right angles at `x0_m`, in the retrograde sense:
+    /// symmetric, so it closes. `None` if there is none: too near to the body.
     pub fn quasi_satellite(&self, x0_m: f64) -> Option<QuasiSatellite> {
         self.crossing_at_right_angles(DVec3::new(x0_m, 0.0, 0.0))
     }
 
-    /// As [`quasi_satellite`](Hill::quasi_satellite), but from a height above the plane, at which it is for a moment at rest: in the plane
-    /// it comes back as a planar one does, while its height swings at a period of its own, so that it does not close.
+    /// As [`quasi_satellite`](Hill::quasi_satellite), but starts `height_m` above the plane, vertically at rest. The
+    /// vertical period differs from the planar one, so the orbit does not close.
     pub fn quasi_satellite_3d(&self, x0_m: f64, height_m: f64) -> Option<QuasiSatellite> {
         self.crossing_at_right_angles(DVec3::new(x0_m, 0.0, height_m))
     }
@@ -141,7 +144,8 @@ impl Hill {
         }
         let start = |speed: f64| State { position_m, velocity_m_s: DVec3::new(0.0, -speed, 0.0) };
         let slant = |speed: f64| Some(self.next_crossing(start(speed))?.1.velocity_m_s.x);
-        // Far out an ellipse of 1 : 2 about the body's guiding centre; its pull adds the speed of a fall from infinity.
+        // First guess: far out the orbit is a 1 : 2 ellipse about the guiding centre; near in, the pull adds escape
+        // speed.
         let epicycle = 2.0 * self.mean_motion_rad_s * x0_m;
         let (mut a, mut b) = {
             let speed = (epicycle * epicycle + 2.0 * self.gm_m3_s2 / position_m.length()).sqrt();
@@ -158,12 +162,13 @@ impl Hill {
         }
         let start = start(b);
         let (half_s, _) = self.next_crossing(start)?;
-        let closes = of_b.abs() <= 1e-9 * b;
+        let closes = of_b.abs() <= CLOSED * b;
         let (_, far) = self.next_zero(start, |state| state.position_m.x, |state| state.velocity_m_s.x)?;
         closes.then_some(QuasiSatellite { start, period_s: 2.0 * half_s, farthest: far })
     }
 
-    /// The orbit through a state at a moment, over a span that contains it. `None` if it falls onto the body's centre, or takes too many steps.
+    /// The orbit through a state at an epoch, over a span that contains it. `None` if it hits the body's centre, or
+    /// takes too many steps.
     pub fn orbit(&self, start: State, at: Epoch, span: Span) -> Option<Orbit> {
         let after_s = span.end.since_s(at);
         let before_s = span.start.since_s(at);
@@ -182,7 +187,7 @@ impl Hill {
 pub struct QuasiSatellite {
     /// On the x axis (or above it), moving along -y.
     pub start: State,
-    /// Until it is there again, s.
+    /// Period, s.
     pub period_s: f64,
     /// Where it crosses the y axis.
     pub farthest: State,
@@ -191,9 +196,9 @@ pub struct QuasiSatellite {
 /// A part of an orbit: a Taylor series of the position.
 #[derive(Debug, Clone, PartialEq)]
 struct Step {
-    /// When it begins, s from the orbit's first moment.
+    /// Start, s from the orbit's epoch.
     start_s: f64,
-    /// How far it reaches, s; below 0: backwards.
+    /// Length, s; negative: backwards.
     length_s: f64,
     series: [DVec3; TERMS],
 }
@@ -210,16 +215,16 @@ impl Step {
     }
 }
 
-/// An orbit of Hill's problem, as Taylor series one after the other.
+/// An orbit of Hill's problem, as consecutive Taylor series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orbit {
     at: Epoch,
-    /// In the order of time; those before `at` go backwards.
+    /// In order of time; those before `at` go backwards.
     steps: Vec<Step>,
 }
 
 impl Orbit {
-    /// The state at a moment; beyond its span, by the last series.
+    /// The state at an epoch; beyond the span, by the last series.
     pub(super) fn state(&self, epoch: Epoch) -> State {
         let t_s = epoch.since_s(self.at);
         let ends = |step: &Step| step.start_s.max(step.start_s + step.length_s);

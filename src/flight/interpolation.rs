@@ -1,4 +1,4 @@
-//! Polynomials through the nodes about a moment: Lagrange's through values, Hermite's through values and derivatives.
+//! Polynomials through the nodes about a moment: Lagrange through values, Hermite through values and derivatives.
 
 use std::ops::Range;
 
@@ -23,9 +23,11 @@ impl Value for DVec4 {
 /// Most nodes of one polynomial: beyond, equal steps lose all digits (Runge).
 pub const MOST_NODES: usize = 28;
 
-/// The nodes to interpolate between: as many as asked for, as even about `x` as the ends of the data allow. `xs` ascend, and are not empty.
+/// The nodes to interpolate between: as many as asked for, centred on `x` as far as the ends of the data allow. `xs`
+/// ascend, and are not empty.
 ///
-/// Of an even number as many lie before as after; of an odd number the nearest is in the middle, the later of two. So SPICE chooses them too.
+/// An even number has as many before as after; an odd number is centred on the nearest node, the later of two. SPICE
+/// chooses the same.
 pub fn window(xs: &[f64], x: f64, nodes: usize) -> Range<usize> {
     let nodes = nodes.clamp(1, xs.len());
     // The last node at or before x.

@@ -1,4 +1,4 @@
-//! Where Mars and the Earth are about the Sun, roughly: mean elements that change linearly.
+//! Approximate position of Mars about the Sun: mean elements that change linearly.
 
 use glam::{DMat3, DVec3};
 
@@ -23,7 +23,8 @@ pub struct Elements {
 }
 
 impl Elements {
-    /// Mars, 1800 to 2050 (Standish & Williams, *Approximate positions of the planets*, JPL): within 40 arcsec, and 200 000 km along the orbit.
+    /// Mars, 1800 to 2050 (Standish & Williams, *Approximate positions of the planets*, JPL): within 40 arcsec (44 000
+    /// km) along the orbit, 2 arcsec across it, and 25 000 km in distance.
     pub const MARS: Elements = Elements {
         semi_major_au: [1.523_710_34, 0.000_018_47],
         eccentricity: [0.093_394_10, 0.000_078_82],

@@ -1,4 +1,5 @@
-//! Mars, Phobos and Deimos: where they are, roughly, and how they turn by the IAU's working group (Archinal et al. 2018), with the numbers of NAIF's kernel pck00011.
+//! Mars, Phobos and Deimos: approximate positions, and rotations by the IAU working group (Archinal et al. 2018), with
+//! the constants of NAIF's kernel pck00011.
 
 use glam::DVec3;
 
@@ -11,8 +12,9 @@ use crate::units::PHOBOS_ORBIT_M;
 /// Semi-major axis of Deimos' orbit, m.
 const DEIMOS_ORBIT_M: f64 = 23_458_000.0;
 
-/// Mars about the Sun within 40 arcsec (1800 to 2050), and its moons about Mars on circles, where their rotation has them: Phobos within 3 deg,
-/// by which its long axis swings about Mars. For scenes without ephemerides.
+/// Approximate trajectories for scenes without ephemerides: Mars about the Sun within 40 arcsec (1800 to 2050), its
+/// moons about Mars on circles, along their long axes: Phobos within 3 deg, by which its long axis swings about the
+/// direction of Mars.
 pub(super) fn roughly() -> Vec<Trajectory> {
     let trajectory = |target: &str, centre: &str, frame: &str, years: Option<[f64; 2]>, path: Path| {
         let year = |year: f64| Epoch::J2000.after_s((year - 2000.0) * 365.25 * 86_400.0);
@@ -38,7 +40,7 @@ pub(super) fn roughly() -> Vec<Trajectory> {
     ]
 }
 
-/// Angles of periodic terms of all three: deg, deg per century, deg per century^2 (Phobos, whose orbit shrinks).
+/// Periodic angles of all three: deg, deg per century, deg per century^2 (Phobos, whose orbit shrinks).
 #[rustfmt::skip]
 const PHASES: [[f64; 3]; 26] = [
     [190.72646643, 15917.10818695, 0.0],
@@ -76,7 +78,7 @@ fn angle(polynomial: [f64; 3], terms: &[(usize, f64)]) -> Angle {
     Angle { polynomial: polynomial.to_vec(), periodic }
 }
 
-/// The model of a body, if it is of the system of Mars.
+/// The model of a body of the Mars system.
 #[rustfmt::skip]
 pub(super) fn rotation_model(body: &str) -> Option<RotationModel> {
     let [right_ascension, declination, prime_meridian] = match body {

@@ -1,16 +1,17 @@
-//! Flight dynamics: where things are and how they are turned, over time.
+//! Flight dynamics: positions and orientations over time.
 //!
-//! Positions, velocities and rotations come from files, from models of rotation or from equations of motion; here all are the same: a
-//! [`Trajectory`] of one thing about another, an [`Orientation`] of one frame in another, each over the times that it knows.
-//! An [`Almanac`] joins them. Nothing is extrapolated: what is asked for outside is an error that says where the data end.
+//! Positions, velocities and rotations come from files, rotation models or equations of motion; all become a
+//! [`Trajectory`] of one object relative to another or an [`Orientation`] of one frame relative to another, each with
+//! its coverage. An [`Almanac`] joins them. Nothing is extrapolated: a request outside the coverage is an error that
+//! says where the data end.
 //!
 //! # Index
 //!
 //! | equation | function | source | test |
 //! |---|---|---|---|
 //! | UTC, TAI, TT, TDB, GPS | [`Epoch`] | leap seconds of IERS bulletin C; TDB as in NAIF's leapseconds kernel | oracles `time` |
-//! | Lagrange's and Hermite's interpolation | [`interpolation`] | Neville's scheme on repeated nodes | polynomials |
-//! | Chebyshev's series and its derivative | [`Chebyshev`] | Clenshaw | oracles `spk` |
+//! | Lagrange and Hermite interpolation | [`interpolation`] | Neville's scheme on repeated nodes | polynomials |
+//! | Chebyshev series and their derivatives | [`Chebyshev`] | Clenshaw | oracles `spk` |
 //! | rotations between two | [`Orientation`] | great arcs of unit quaternions | a steady turn |
 //! | rotation of Mars, Phobos, Deimos | [`RotationModel`] | Archinal et al. (2018) | oracles `iau` |
 //! | Hill's problem, quasi-satellite orbits | [`Hill`] | Hill (1878) | oracles `qso`; Jacobi's constant; a circle without the body |
@@ -52,7 +53,7 @@ pub use rotation_model::{Angle, RotationModel};
 pub use trajectory::{Interpolation, Nodes, Path, Segment, Span, State, Trajectory};
 pub use unread::Unread;
 
-/// The inertial frame that all others are turned in: J2000, as SPICE has it, which takes it for the ICRF.
+/// The inertial frame that all others refer to: J2000, which SPICE identifies with the ICRF.
 pub const J2000: &str = "J2000";
 /// The ecliptic at J2000.
 pub const ECLIPTIC: &str = "ECLIPJ2000";

@@ -1,4 +1,4 @@
-//! Names of bodies and frames: each has one, whatever a file calls it.
+//! Names of bodies and frames: one canonical name each, whatever a file calls it.
 
 /// Numbers and names of bodies, as in SPICE: the planets, what flies about Mars, and whatever else has a rotation by the IAU.
 #[rustfmt::skip]
@@ -55,8 +55,8 @@ const ALIASES: [(&str, &str); 10] = [
     ("MEX", "MARS EXPRESS"),
 ];
 
-/// The one name of a body that a file calls by a number of SPICE, or by some name in small or capital letters; one that is not known is
-/// its own name in capitals.
+/// The canonical name of a body that a file gives by NAIF number or by name in any case; an unknown one is its own name
+/// in capitals.
 pub fn body_name(called: &str) -> String {
     Names::default().body(called)
 }
@@ -66,7 +66,7 @@ pub fn body_id(name: &str) -> Option<i32> {
     BODIES.iter().find(|(_, of)| *of == name).map(|(id, _)| *id).or_else(|| name.parse().ok())
 }
 
-/// Names of bodies that files give, which stand before those that are known here.
+/// Names of bodies from files; they override the built-in ones.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Names {
     /// Number and name, in capitals, in the order in which they were given.
@@ -74,12 +74,12 @@ pub struct Names {
 }
 
 impl Names {
-    /// With names that are given to numbers; of two that contradict each other the later one holds.
+    /// Adds names for numbers; where two conflict, the later one is used.
     pub fn new(given: impl IntoIterator<Item = (i32, String)>) -> Self {
         Names { given: given.into_iter().map(|(id, name)| (id, plain(&name))).collect() }
     }
 
-    /// The one name of a body, as [`body_name`], whatever name was given to it.
+    /// The canonical name of a body, as [`body_name`], with the names from files.
     pub fn body(&self, called: &str) -> String {
         let plain = plain(called);
         match plain.parse().ok().or_else(|| self.given_id(&plain)) {
@@ -88,7 +88,7 @@ impl Names {
         }
     }
 
-    /// The number of a body by its one name, if it has one.
+    /// The number of a body by its canonical name, if it has one.
     pub fn id(&self, name: &str) -> Option<i32> {
         self.given_id(name).or_else(|| body_id(name))
     }
@@ -97,7 +97,7 @@ impl Names {
         self.given.iter().rev().find(|(_, name)| name == plain).map(|(id, _)| *id)
     }
 
-    /// The name known here, unless it was given to another; else the one that was given last; else the number.
+    /// The built-in name, unless a file gave it to another body; else the one given last; else the number.
     fn name_of(&self, id: i32) -> String {
         let known = BODIES.iter().find(|(of, name)| *of == id && self.given_id(name).is_none_or(|given| given == id));
         let given = || self.given.iter().rev().find(|(of, name)| *of == id && self.given_id(name) == Some(id));
@@ -113,7 +113,8 @@ fn plain(called: &str) -> String {
     called.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_uppercase()
 }
 
-/// The one name of a frame. EME2000, ICRF and GCRF are J2000: as in SPICE, the 0.02 arcsec between them are left out.
+/// The canonical name of a frame. EME2000, ICRF and GCRF are J2000: as in SPICE, the 0.02 arcsec between them are
+/// neglected.
 pub fn frame_name(called: &str) -> String {
     let plain = plain(called);
     match plain.as_str() {

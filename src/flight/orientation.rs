@@ -1,4 +1,4 @@
-//! How one frame is turned in another, over the times that a file or a model knows.
+//! The orientation of one frame relative to another, over the times that a file or a model covers.
 
 use glam::{DMat3, DQuat, DVec3, DVec4};
 
@@ -8,21 +8,21 @@ use super::trajectory::joined;
 use super::{Chebyshev, Epoch, Span, Unread};
 use crate::error::Result;
 
-/// How to go between attitudes.
+/// Interpolation between attitudes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Between {
     /// The last one holds until the next.
     Steps,
-    /// A steady turn from one to the next: the great arc of unit quaternions.
+    /// Constant rotation rate from one to the next (slerp): the great arc of unit quaternions.
     SteadyTurn,
-    /// Lagrange's polynomial through the quaternions of this many nodes, made of unit length.
+    /// Lagrange polynomial through the quaternions of this many nodes, normalised.
     Lagrange(usize),
-    /// Hermite's, through quaternions and their derivatives.
+    /// Hermite, through quaternions and their derivatives.
     Hermite(usize),
 }
 
 impl Between {
-    /// The degree of its polynomials, where there are as many attitudes; 1 of a steady turn.
+    /// The polynomial degree, if there are enough attitudes; 1 for constant-rate rotation.
     pub fn degree(self) -> usize {
         let numbers = match self {
             Between::Steps | Between::SteadyTurn => 2,
@@ -42,12 +42,12 @@ pub struct Attitudes {
     pub frame_from_base: Vec<DQuat>,
     /// For each its derivative, 1/s; empty if it is not known.
     pub derivative: Vec<DVec4>,
-    /// How to go between them.
+    /// Interpolation between them.
     pub between: Between,
 }
 
 impl Attitudes {
-    /// With signs of quaternions such that each is near the one before it: q and -q are the same rotation.
+    /// Chooses signs of quaternions so that neighbours are near: q and -q are the same rotation.
     #[must_use]
     pub fn with_continuous_signs(mut self) -> Self {
         for i in 1..self.frame_from_base.len() {
@@ -91,7 +91,7 @@ impl Attitudes {
     }
 }
 
-/// A share of the turn from one attitude to another about a fixed axis, the short way. Exact to rounding at small angles, where an arc
+/// Slerp: a fraction of the shorter rotation from one attitude to another. Accurate also at small angles, where an arc
 /// cosine is not.
 fn steady_turn(a: DQuat, b: DQuat, share: f64) -> DQuat {
     let b = if a.dot(b) < 0.0 { -b } else { b };
@@ -102,71 +102,71 @@ fn steady_turn(a: DQuat, b: DQuat, share: f64) -> DQuat {
     (a * DQuat::from_xyzw(axis.x, axis.y, axis.z, (share * half).cos())).normalize()
 }
 
-/// By what a part of an orientation is known.
+/// Representation of an orientation segment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Turning {
     /// Attitudes at some moments.
     Attitudes(Attitudes),
     /// A body's pole and prime meridian.
     Model(RotationModel),
-    /// Series of Euler's angles 3-1-3, rad: right ascension of the pole + 90 deg, 90 deg - declination, and prime meridian.
+    /// Series of Euler angles 3-1-3, rad: right ascension of the pole + 90 deg, 90 deg - declination, and prime meridian.
     Angles(Chebyshev),
-    /// It does not turn: frame from base.
+    /// Constant: frame from base.
     Fixed(DMat3),
-    /// It turns steadily about an axis that is at rest in both.
+    /// Constant rotation about an axis that is fixed in both.
     Spin(Spin),
-    /// It is there, but not read.
+    /// Present in the file, but of a type that is not read.
     Unread(Unread),
 }
 
-/// A steady turn without end.
+/// Constant-rate rotation, unlimited in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spin {
-    /// When it is turned as `frame_from_base` says.
+    /// Reference epoch, at which `frame_from_base` holds.
     pub since: Epoch,
     /// The rotation that carries components along the base's axes into components along the frame's, at that moment.
     pub frame_from_base: DQuat,
-    /// How the frame turns, along the base's axes, rad/s.
+    /// Angular velocity of the frame, in the base's axes, rad/s.
     pub rate_rad_s: DVec3,
 }
 
 impl Spin {
     fn rotation(&self, epoch: Epoch) -> DQuat {
-        // The frame's axes turn by this, so components along them turn back.
+        // The frame's axes rotate by this, so components along them rotate back.
         let turned = DQuat::from_scaled_axis(self.rate_rad_s * epoch.since_s(self.since));
         self.frame_from_base * turned.inverse()
     }
 }
 
-/// A part of an orientation: nothing is interpolated from one to the next.
+/// A segment of an orientation: nothing is interpolated across segments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turn {
-    /// When it holds; `None`: at all times.
+    /// Its span; `None`: all times.
     pub span: Option<Span>,
-    /// By what it is known.
+    /// Its representation.
     pub turning: Turning,
 }
 
-/// How a frame is turned in another.
+/// The orientation of a frame relative to another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orientation {
     /// The frame: see [`frame_name`](super::frame_name).
     pub frame: String,
-    /// That in which it is turned.
+    /// The base frame.
     pub base: String,
-    /// Where this is known from: a file, or a model's name.
+    /// Source: a file, or a model's name.
     pub source: String,
-    /// Its parts; where they overlap, the later one holds.
+    /// Its segments; where they overlap, the later one is used.
     pub turns: Vec<Turn>,
 }
 
 impl Orientation {
-    /// The part that holds at a moment.
+    /// The segment in use at an epoch.
     fn turn(&self, epoch: Epoch) -> Option<&Turn> {
         self.turns.iter().rev().find(|turn| turn.span.is_none_or(|span| span.contains(epoch)))
     }
 
-    /// Whether anything is known of a moment.
+    /// Whether an epoch is covered.
     pub fn knows(&self, epoch: Epoch) -> bool {
         self.turn(epoch).is_some()
     }
@@ -190,7 +190,7 @@ impl Orientation {
         }))
     }
 
-    /// When it is known, in the order of time, without gaps in each; `None`: at all times.
+    /// Coverage, in order of time, with touching spans merged; `None`: all times.
     pub fn spans(&self) -> Option<Vec<Span>> {
         let spans: Option<Vec<Span>> = self.turns.iter().map(|turn| turn.span).collect();
         Some(joined(spans?.into_iter()))

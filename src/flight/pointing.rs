@@ -1,4 +1,4 @@
-//! Where a camera looks: laws of pointing, and what disturbs them.
+//! Where a camera looks: pointing laws and their disturbances.
 //!
 //! Sensor axes: +X sample (right), +Y line (down), +Z boresight. Rotations of a disturbance or a scan are about these axes, by the right hand.
 
@@ -9,9 +9,9 @@ use glam::{DMat3, DQuat, DVec3};
 use crate::geometry::Direction;
 use crate::random::Draws;
 
-/// Sines of which a jitter is made.
+/// Number of sines that make up jitter.
 const WAVES: u32 = 64;
-/// Up closer to the boresight than this, rad, says nothing.
+/// Least angle between `up` and the boresight, rad.
 const ALONG: f64 = 16.0 * f64::EPSILON;
 
 /// What the boresight follows.
@@ -21,19 +21,19 @@ pub enum Aim {
     Nadir,
     /// A point of the body, from its centre along its axes, m.
     Target(DVec3),
-    /// A frame of the almanac, as a spacecraft's from an attitude file: the rotation carries components along the sensor's axes into
-    /// components along the frame's.
+    /// A frame of the almanac, e.g. a spacecraft's from an attitude file, and the rotation from sensor axes into that
+    /// frame.
     Frame(String, DMat3),
-    /// It does not turn in a frame of the almanac: components along the sensor's axes into components along that frame's.
+    /// Fixed in a frame of the almanac: the rotation from sensor axes into that frame.
     Fixed(String, DMat3),
 }
 
-/// What is at the top of the image, where the aim leaves that open.
+/// The image's up direction, where the aim leaves it open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Up {
     /// The body's +z.
     North,
-    /// Against the way over the ground, so that lines that are taken later lie below: along-track is down.
+    /// Opposite to the ground velocity: later lines lie lower in the image (along-track is down).
     Backward,
     /// The Sun.
     Sun,
@@ -41,7 +41,7 @@ pub enum Up {
     Vector(DVec3),
 }
 
-/// A turn about an axis of the sensor at a steady rate, as by a scan mirror.
+/// A constant-rate rotation about a sensor axis, e.g. by a scan mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scan {
     /// About the sensor's X, Y or Z.
@@ -52,10 +52,10 @@ pub struct Scan {
     pub rate_rad_s: f64,
 }
 
-/// Small turns about the three axes, as random waves of a flat spectrum.
+/// Small rotations about the three axes: random sines with a flat spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jitter {
-    /// The same seed, the same waves.
+    /// Seed of the random sines.
     pub seed: u64,
     /// Root mean square about each axis, rad.
     pub rms_rad: DVec3,
@@ -64,7 +64,7 @@ pub struct Jitter {
 }
 
 impl Jitter {
-    /// Turns about the axes, rad, some seconds after the start.
+    /// Rotations about the axes, rad, at a time after the start, s.
     pub fn at(&self, t_s: f64) -> DVec3 {
         let mut draws = Draws::new(self.seed);
         let mut share = || draws.unit();
@@ -84,17 +84,17 @@ impl Jitter {
 pub struct Pointing {
     /// What the boresight follows.
     pub aim: Aim,
-    /// What is at the top.
+    /// The up direction.
     pub up: Up,
-    /// A scan on top of that.
+    /// A scan, applied after the aim.
     pub scan: Option<Scan>,
-    /// A steady error about the axes, rad.
+    /// Constant error about the axes, rad.
     pub bias_rad: DVec3,
-    /// An unsteady one.
+    /// Time-varying error.
     pub jitter: Option<Jitter>,
 }
 
-/// What a law of pointing needs to know of a moment, along the axes of the body.
+/// What a pointing law needs at an epoch, in body axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circumstances {
     /// The spacecraft, from the body's centre, m.
@@ -108,16 +108,16 @@ pub struct Circumstances {
 }
 
 impl Pointing {
-    /// The law without what disturbs it.
+    /// The law without disturbances.
     #[must_use]
     pub fn undisturbed(&self) -> Self {
         Pointing { bias_rad: DVec3::ZERO, jitter: None, ..self.clone() }
     }
 
-    /// The rotation that carries components along the sensor's axes into components along the body's; `body_from` is that of a frame.
+    /// The rotation from sensor axes to body axes; `body_from` gives that of a frame.
     ///
     /// # Errors
-    /// What `body_from` says; or why the law says nothing, as a sentence.
+    /// What `body_from` returns; or why the attitude is undefined, as a sentence.
     pub fn body_from_sensor<E: From<String>>(
         &self,
         now: &Circumstances,
@@ -125,7 +125,7 @@ impl Pointing {
     ) -> Result<DMat3, E> {
         let looking = |towards: DVec3, at: &str| -> Result<DMat3, E> {
             let boresight = Direction::new(towards)
-                .ok_or_else(|| format!("the spacecraft is at {at}: there is no direction to look in"))?;
+                .ok_or_else(|| format!("the spacecraft is at {at}: the direction to it is undefined"))?;
             Ok(self.upright(boresight, now)?)
         };
         let aimed = match &self.aim {
@@ -145,14 +145,18 @@ impl Pointing {
     fn upright(&self, boresight: Direction, now: &Circumstances) -> Result<DMat3, String> {
         let (up, name) = match self.up {
             Up::North => (DVec3::Z, "north"),
-            Up::Backward => (-now.velocity_m_s, "the way over the ground"),
+            Up::Backward => (-now.velocity_m_s, "the ground velocity"),
             Up::Sun => (now.to_sun, "the Sun"),
             Up::Vector(up) => (up, "`up`"),
         };
         let across =
             Direction::new(up).map(|up| boresight.vec().cross(up.vec())).filter(|across| across.length() > ALONG);
         let right = across.and_then(Direction::new);
-        let right = right.ok_or_else(|| format!("{name} is along the line of sight: the image has no top"))?.vec();
+        let right = right
+            .ok_or_else(|| {
+                format!("the image's top is undefined: {name} is along the line of sight; choose another `up`")
+            })?
+            .vec();
         Ok(DMat3::from_cols(right, boresight.vec().cross(right), boresight.vec()))
     }
 }

@@ -1,4 +1,4 @@
-//! Variables of SPICE's text kernels, by their names: what one kernel says, another may add to or replace.
+//! Variables of SPICE's text kernels by name; a later kernel may add to or replace what an earlier one set.
 
 use std::collections::BTreeMap;
 
@@ -61,7 +61,7 @@ impl Pool {
         match (&mut variable.values, values) {
             (Values::Numbers(there), Values::Numbers(more)) => there.extend(more),
             (Values::Texts(there), Values::Texts(more)) => there.extend(more),
-            _ => return Err(Error::invalid(at, format!("{name} has numbers and texts: += adds more of the same"))),
+            _ => return Err(Error::invalid(at, format!("{name}: += cannot mix numbers and strings"))),
         }
         variable.at = at;
         Ok(())

@@ -7,11 +7,11 @@ use super::radii::{altitude_m, radii_m};
 use super::trajectory::{Path, Segment, Span, Trajectory};
 use super::{Epoch, State, body_name};
 
-/// By how much the second number of a name may be off, km: names have whole kilometres.
+/// Tolerance of the second number of a name, km: names have whole kilometres.
 const NAME_KM: f64 = 0.75;
 
-/// A quasi-satellite orbit by its size, as `qso-20x27`: 20 km from Phobos' centre on the line to Mars, 27 km along the orbit of Phobos. A third
-/// number, as in `3d-qso-30x49x20`, is the height above Phobos' equator in which it starts.
+/// A quasi-satellite orbit by its size, e.g. `qso-20x27`: 20 km from Phobos on the line to Mars, 27 km along its orbit.
+/// A third number, as in `3d-qso-30x49x20`, is the starting height above Phobos' equator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Qso {
     /// On the line to Mars, m.
@@ -22,7 +22,7 @@ pub struct Qso {
 }
 
 impl Qso {
-    /// Those that the mission planned: QSO-LC, LB, LA, M and H, and two in space.
+    /// Those of the mission: QSO-LC, LB, LA, M and H, and two 3D ones.
     pub const NAMES: [&str; 7] =
         ["qso-20x27", "qso-22x31", "qso-30x49", "qso-50x94", "qso-100x198", "3d-qso-30x49x20", "3d-qso-50x94x30"];
 
@@ -52,11 +52,11 @@ impl Qso {
         let hill = Hill::PHOBOS;
         let planar = hill
             .quasi_satellite(x0_m)
-            .ok_or_else(|| format!("{name:?}: there is no such orbit {x0_km} km from Phobos' centre"))?;
+            .ok_or_else(|| format!("{name:?}: no closed orbit starts {x0_km} km from Phobos' centre"))?;
         let long_km = planar.farthest.position_m.y.abs() / 1e3;
         if (long_km - y_km).abs() > NAME_KM {
             return Err(format!(
-                "{name:?}: an orbit of {x0_km} km is {long_km:.1} km long: call it {}qso-{x0_km}x{long_km:.0}{}",
+                "{name:?}: this orbit reaches {long_km:.1} km along-track: its name is {}qso-{x0_km}x{long_km:.0}{}",
                 if is_3d { "3d-" } else { "" },
                 if is_3d { format!("x{height_km}") } else { String::new() }
             ));
@@ -70,7 +70,7 @@ impl Qso {
         Ok(Qso { x0_m, height_m, found })
     }
 
-    /// How long it takes, s; of one in space, until it is over the same point of the plane.
+    /// Period, s; for a 3D orbit, of its projection on the plane.
     pub fn period_s(&self) -> f64 {
         self.found.period_s
     }
@@ -80,18 +80,18 @@ impl Qso {
         self.found.start
     }
 
-    /// The trajectory of something that is at its start (on the side of Mars) at a moment, over a span. Its axes are Phobos' own, whose swing
-    /// about Mars is left out.
+    /// The trajectory that passes the start (on the Mars side) at an epoch, over a span. Its axes are Phobos' own,
+    /// whose libration is neglected.
     ///
     /// # Errors
-    /// If it does not last that long, as a sentence.
+    /// If it cannot be propagated that long, as a sentence.
     pub fn trajectory(&self, name: &str, target: &str, at: Epoch, span: Span) -> Result<Trajectory, String> {
         let span = Span {
             start: if at < span.start { at } else { span.start },
             end: if span.end < at { at } else { span.end },
         };
         let orbit = Hill::PHOBOS.orbit(self.found.start, at, span);
-        let orbit = orbit.ok_or_else(|| format!("{name} does not last from {} to {}", span.start, span.end))?;
+        let orbit = orbit.ok_or_else(|| format!("{name} cannot be propagated from {} to {}", span.start, span.end))?;
         Ok(Trajectory {
             target: body_name(target),
             centre: "PHOBOS".to_owned(),

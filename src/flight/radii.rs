@@ -2,17 +2,18 @@
 
 use glam::DVec3;
 
-/// Half axes towards longitude 0, longitude 90 deg and the north pole, km: NAIF's kernel pck00011, from Archinal et al. (2018).
+/// Semi-axes towards longitude 0, longitude 90 deg and the north pole, km: NAIF's kernel pck00011, from Archinal et al.
+/// (2018).
 const RADII_KM: [(&str, [f64; 3]); 3] =
     [("PHOBOS", [13.0, 11.4, 9.1]), ("DEIMOS", [7.8, 6.0, 5.1]), ("MARS", [3396.19, 3396.19, 3376.20])];
 
-/// Half axes of the ellipsoid of a body, along its fixed axes, m; `None` if they are not known here.
+/// Semi-axes of a body's ellipsoid, along its fixed axes, m; `None` if unknown here.
 pub fn radii_m(body: &str) -> Option<DVec3> {
     let (_, km) = RADII_KM.iter().find(|(name, _)| *name == body)?;
     Some(DVec3::from_array(*km) * 1000.0)
 }
 
-/// How far a point is above an ellipsoid, along the line to its centre, m; not finite at the centre.
+/// Height of a point above an ellipsoid, along the line to its centre, m; not finite at the centre.
 pub fn altitude_m(position_m: DVec3, radii_m: DVec3) -> f64 {
     position_m.length() * (1.0 - (position_m / radii_m).length().recip())
 }

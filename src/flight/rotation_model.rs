@@ -4,7 +4,8 @@ use glam::DMat3;
 
 use super::Epoch;
 
-/// Right ascension and declination of the pole, and the prime meridian, each a polynomial and a sum of sines or cosines of angles.
+/// Pole right ascension and declination, and prime meridian: each a polynomial plus sines or cosines of periodic
+/// angles.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RotationModel {
     /// Of the pole: deg, deg per century, deg per century^2.
@@ -55,7 +56,7 @@ impl RotationModel {
     /// The rotation that carries components along inertial axes (J2000) into components along the body's.
     pub fn fixed_from_inertial(&self, epoch: Epoch) -> DMat3 {
         let [right_ascension, declination, meridian] = self.angles_deg(epoch);
-        // Whole turns first, in degrees, where they are exact.
+        // Whole turns are removed in degrees, where that is exact.
         euler_313(
             (right_ascension + 90.0).to_radians(),
             (90.0 - declination).to_radians(),

@@ -1,4 +1,4 @@
-//! Where one thing is about another, over the times that a file or a model knows.
+//! The position of one object relative to another, over the times that a file or a model covers.
 
 use std::fmt;
 
@@ -11,12 +11,12 @@ use crate::error::Result;
 /// Metres of a kilometre: files count in km.
 pub(super) const KM_M: f64 = 1000.0;
 
-/// Position and velocity of one thing about another, along the axes of some frame.
+/// Position and velocity of one object relative to another, in the axes of some frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     /// From the centre, m.
     pub position_m: DVec3,
-    /// Its change as the frame's axes see it, m/s.
+    /// Velocity as seen in the frame's axes, m/s.
     pub velocity_m_s: DVec3,
 }
 
@@ -25,7 +25,7 @@ impl State {
     pub const ZERO: State = State { position_m: DVec3::ZERO, velocity_m_s: DVec3::ZERO };
 }
 
-/// From one moment to another, both included.
+/// A time span, both ends included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
     /// The first moment.
@@ -35,7 +35,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// Whether a moment lies in it.
+    /// Whether it contains an epoch.
     pub fn contains(&self, epoch: Epoch) -> bool {
         self.start <= epoch && epoch <= self.end
     }
@@ -47,12 +47,12 @@ impl fmt::Display for Span {
     }
 }
 
-/// How to go between nodes.
+/// Interpolation between nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Lagrange's, through this many nodes: positions and velocities each for themselves.
+    /// Lagrange, through this many nodes: positions and velocities separately.
     Lagrange(usize),
-    /// Hermite's, through positions and velocities of this many nodes.
+    /// Hermite, through positions and velocities of this many nodes.
     Hermite(usize),
 }
 
@@ -64,7 +64,7 @@ impl Interpolation {
         }
     }
 
-    /// The degree of its polynomials, where there are as many nodes.
+    /// The polynomial degree, if there are enough nodes.
     pub fn degree(self) -> usize {
         let numbers = match self {
             Interpolation::Lagrange(nodes) => nodes,
@@ -83,7 +83,7 @@ pub struct Nodes {
     pub position_m: Vec<DVec3>,
     /// For each its velocity, m/s; empty if a file has positions only.
     pub velocity_m_s: Vec<DVec3>,
-    /// How to go between them.
+    /// Interpolation between them.
     pub interpolation: Interpolation,
 }
 
@@ -105,7 +105,7 @@ impl Nodes {
     }
 }
 
-/// By what a part of a trajectory is known.
+/// Representation of a trajectory segment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Path {
     /// States at some moments.
@@ -114,45 +114,45 @@ pub enum Path {
     Chebyshev(Chebyshev),
     /// An orbit about a small body.
     Orbit(Orbit),
-    /// An orbit about the Sun, roughly.
+    /// Mean elements about the Sun (approximate).
     Elements(Elements),
     /// It does not move, m.
     Fixed(DVec3),
-    /// It is there, but not read.
+    /// Present in the file, but of a type that is not read.
     Unread(Unread),
 }
 
-/// A part of a trajectory: nothing is interpolated from one to the next.
+/// A segment of a trajectory: nothing is interpolated across segments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Segment {
-    /// When it holds.
+    /// Its span.
     pub span: Span,
-    /// By what it is known.
+    /// Its representation.
     pub path: Path,
 }
 
-/// Where a thing is about another, in some frame.
+/// The position of an object relative to another, in some frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
-    /// What moves: see [`body_name`](super::body_name).
+    /// The object: see [`body_name`](super::body_name).
     pub target: String,
-    /// About what.
+    /// The centre.
     pub centre: String,
-    /// Along whose axes: see [`frame_name`](super::frame_name).
+    /// The frame: see [`frame_name`](super::frame_name).
     pub frame: String,
-    /// Where this is known from: a file, or a model's name.
+    /// Source: a file, or a model's name.
     pub source: String,
-    /// Its parts; where they overlap, the later one holds.
+    /// Its segments; where they overlap, the later one is used.
     pub segments: Vec<Segment>,
 }
 
 impl Trajectory {
-    /// The part that holds at a moment.
+    /// The segment in use at an epoch.
     fn segment(&self, epoch: Epoch) -> Option<&Segment> {
         self.segments.iter().rev().find(|segment| segment.span.contains(epoch))
     }
 
-    /// Whether anything is known of a moment.
+    /// Whether an epoch is covered.
     pub fn knows(&self, epoch: Epoch) -> bool {
         self.segment(epoch).is_some()
     }
@@ -176,13 +176,13 @@ impl Trajectory {
         }))
     }
 
-    /// When it is known, in the order of time, without gaps in each.
+    /// Coverage, in order of time, with touching spans merged.
     pub fn spans(&self) -> Vec<Span> {
         joined(self.segments.iter().map(|segment| segment.span))
     }
 }
 
-/// Spans in the order of time; those that touch or overlap are one.
+/// Spans in order of time, with touching or overlapping ones merged.
 pub(super) fn joined(spans: impl Iterator<Item = Span>) -> Vec<Span> {
     let mut spans: Vec<Span> = spans.collect();
     spans.sort_by(|a, b| a.start.tdb_s().total_cmp(&b.start.tdb_s()));
@@ -197,7 +197,7 @@ pub(super) fn joined(spans: impl Iterator<Item = Span>) -> Vec<Span> {
     all
 }
 
-/// When something is known, as a part of a sentence, and in which gap a moment lies.
+/// Coverage as part of a sentence, with the gap an epoch lies in.
 pub(super) fn known(spans: &[Span], epoch: Epoch) -> String {
     let (Some(first), Some(last)) = (spans.first(), spans.last()) else { return "at no time".into() };
     let from_to = format!("from {} to {}", first.start, last.end);

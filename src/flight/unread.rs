@@ -1,18 +1,18 @@
-//! What a file knows in a way that is not read.
+//! Data of types that are not read.
 
 use crate::error::{Error, Location};
 
-/// A part of a file that is known to be there, and no more: it stands before what came earlier, and whoever asks for it is told so.
+/// A segment we cannot read. It still overrides earlier data, so asking for it is an error, not an older value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unread {
     /// Where it is.
     pub at: Location,
-    /// What it is, as in "SPK type 10".
+    /// Its type, e.g. "SPK type 10".
     pub what: String,
 }
 
 impl Unread {
-    /// The answer to whoever asks for it.
+    /// The error when it is asked for.
     pub fn error(&self) -> Error {
         Error::Unsupported { at: self.at.clone(), feature: self.what.clone() }
     }

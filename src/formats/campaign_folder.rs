@@ -1,4 +1,4 @@
-//! The folder of a campaign: what each acquisition has come to, and what all of them have seen.
+//! The folder of a campaign: the state of each acquisition, and the coverage of all.
 //!
 //! ```text
 //! products/NAME/      the product folder of an acquisition
@@ -8,8 +8,8 @@
 //! coverage.csv        how each facet has been seen; coverage_sampling.png and coverage_count.png: maps of it
 //! ```
 //!
-//! Each of these appears when it is whole, and carries a hash of what it was made from: that is all the state there is, so that several processes can
-//! work in one folder, and any of them can be killed.
+//! Each of these appears when complete, with a hash of its inputs. That is the only state, so several processes can
+//! share a folder, and any of them can be killed.
 
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -28,7 +28,7 @@ use crate::product::{Coverage, Sights};
 use crate::scene::Body;
 use crate::study::SurfaceMap;
 
-/// What run.json of a campaign's products says that they were made by.
+/// The command recorded in run.json of a campaign's products.
 pub const COMMAND: &str = "campaign";
 const PRODUCTS: &str = "products";
 const SIGHTS: &str = "sights";
@@ -44,14 +44,14 @@ pub struct CampaignFolder(PathBuf);
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Failure {
-    /// What it was asked to be.
+    /// The id of its request.
     pub entry: String,
     /// All that was wrong.
     pub errors: Vec<String>,
 }
 
 impl CampaignFolder {
-    /// Takes a folder that is one of a campaign, or empty, or not there yet, and in which nothing lies that the campaign is made from.
+    /// Opens a folder that is a campaign's, empty, or not there yet, and that contains none of the campaign's inputs.
     ///
     /// # Errors
     /// [`Error::Invalid`] if it is something else; [`Error::Io`].
@@ -80,17 +80,17 @@ impl CampaignFolder {
         Ok(folder)
     }
 
-    /// Whether an error says that another process is making the same.
+    /// Whether an error means that another process is making the same.
     pub fn is_busy(error: &Error) -> bool {
         staging::is_busy(error)
     }
 
-    /// Where the product of an acquisition is.
+    /// Path of an acquisition's product.
     pub fn product(&self, name: &str) -> PathBuf {
         self.0.join(PRODUCTS).join(name)
     }
 
-    /// Where it is written what an acquisition sees of each facet.
+    /// Path of an acquisition's facet sightings.
     pub fn sights(&self, name: &str) -> PathBuf {
         self.0.join(SIGHTS).join(format!("{name}.npz"))
     }
@@ -99,19 +99,19 @@ impl CampaignFolder {
         self.0.join(FAILED).join(format!("{name}.json"))
     }
 
-    /// Where the manifest is.
+    /// Path of the manifest.
     pub fn manifest(&self) -> PathBuf {
         self.0.join(MANIFEST)
     }
 
-    /// Finishes or removes what killed runs have left of an acquisition; says so.
+    /// Finishes or removes leftovers of killed runs of an acquisition; says so.
     ///
     /// # Errors
     /// Those of [`settle`].
     pub fn settle(&self, name: &str) -> Result<Vec<String>> {
         let mut said = Vec::new();
         for path in [self.product(name), self.sights(name), self.failure_path(name)] {
-            // To look at a name is cheaper than to read a folder of thousands.
+            // Testing for a name is cheaper than listing a folder of thousands.
             if staging::is_staged(&path) {
                 said.extend(settle(&path, true)?);
             }
@@ -119,12 +119,12 @@ impl CampaignFolder {
         Ok(said)
     }
 
-    /// Whether what an acquisition sees is there, whole, and made from this.
+    /// Whether an acquisition's sightings are there, complete, and made from this.
     pub fn has_sights(&self, name: &str, id: &str) -> bool {
         npz::sights_id(&self.sights(name)).is_ok_and(|found| found == id)
     }
 
-    /// Whether the product of an acquisition is there, with all its parts, and made from this.
+    /// Whether an acquisition's product is there, complete, and made from this.
     pub fn has_product(&self, name: &str, id: &str, options: &ProductOptions) -> bool {
         let folder = self.product(name);
         let Ok(report) = report_json::read::<ProductReport>(&folder.join("report.json")) else { return false };
@@ -153,7 +153,7 @@ impl CampaignFolder {
             && run.files.iter().all(is_there)
     }
 
-    /// Writes what an acquisition sees.
+    /// Writes an acquisition's sightings.
     ///
     /// # Errors
     /// Those of [`Staged::file`]; [`Error::Io`].
@@ -163,7 +163,7 @@ impl CampaignFolder {
         staged.commit()
     }
 
-    /// What an acquisition that is there sees of a mesh of so many facets.
+    /// Reads an acquisition's sightings of a mesh of so many facets.
     ///
     /// # Errors
     /// Those of [`npz::read_sights`].
@@ -171,7 +171,7 @@ impl CampaignFolder {
         Ok(npz::read_sights(&self.sights(name), facets)?.0)
     }
 
-    /// Begins the product of an acquisition, which takes the place of an older one that a campaign made.
+    /// Begins an acquisition's product, replacing an older one of a campaign.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a product that no campaign made; those of [`ProductFolder::stage`].
@@ -185,7 +185,7 @@ impl CampaignFolder {
         ProductFolder::stage(&path, true, options)
     }
 
-    /// Notes why an acquisition could not be made.
+    /// Records why an acquisition failed.
     ///
     /// # Errors
     /// Those of [`Staged::file`]; [`Error::Io`].
@@ -196,13 +196,13 @@ impl CampaignFolder {
         staged.commit()
     }
 
-    /// Why an acquisition that was to be this could not be made, if that is noted.
+    /// The recorded failure of an acquisition, if it was the same request.
     pub fn failure(&self, name: &str, entry: &str) -> Option<Failure> {
         let text = fs::read_to_string(self.failure_path(name)).ok()?;
         serde_json::from_str(&text).ok().filter(|failure: &Failure| failure.entry == entry)
     }
 
-    /// An acquisition has been made: there is nothing left to note.
+    /// Removes the record of a failure once the acquisition is made.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -210,7 +210,7 @@ impl CampaignFolder {
         let path = self.failure_path(name);
         match fs::remove_file(&path) {
             Ok(()) => {
-                // It goes with the last of them.
+                // The folder goes with the last of them.
                 let _ = fs::remove_dir(self.0.join(FAILED));
                 Ok(())
             }
@@ -219,7 +219,7 @@ impl CampaignFolder {
         }
     }
 
-    /// Writes what the campaign has come to: manifest, table and maps, all of which take their places together. `false` if another process is doing so.
+    /// Writes manifest, coverage table and maps, which appear together. `false` if another process is doing so.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -253,7 +253,7 @@ impl CampaignFolder {
         Ok(true)
     }
 
-    /// Products that are of no acquisition of the campaign, by their names.
+    /// Names of products that belong to no acquisition of the campaign.
     pub fn others<'a>(&self, names: impl Iterator<Item = &'a str>) -> Vec<String> {
         let mut known: Vec<&str> = names.collect();
         known.sort_unstable();

@@ -81,7 +81,7 @@ fn of_text(path: &Path, text: &str, [samples, lines]: [u32; 2]) -> Result<Vec<Po
     let names: Vec<String> = rows.next().map(cells).unwrap_or_default().iter().map(|s| s.to_lowercase()).collect();
     if names != ["x", "y"] && names != ["x", "y", "z"] {
         let help = "give a header `x,y` (tangents) or `x,y,z` (vectors), then a row for each pixel, line by line";
-        let problem = Problem::new(Location::line(path, 1), "is no table of directions").with_help(help);
+        let problem = Problem::new(Location::line(path, 1), "is not a table of directions").with_help(help);
         return Err(Error::Invalid(vec![problem]));
     }
     let mut problems = Problems::default();
@@ -93,7 +93,8 @@ fn of_text(path: &Path, text: &str, [samples, lines]: [u32; 2]) -> Result<Vec<Po
             Some(at) => centres.push(at),
             None => {
                 let at = places.place(row);
-                problems.push(|| Problem::new(at, format!("`{}` is no direction ahead", row.trim())).with_help(AHEAD));
+                problems
+                    .push(|| Problem::new(at, format!("`{}` is not a direction ahead", row.trim())).with_help(AHEAD));
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Files of flight dynamics, whatever their format: what they hold goes into an almanac.
+//! Flight-dynamics files of any format, read into an almanac.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +9,10 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::flight::{Almanac, LeapSeconds};
 use crate::report::Report;
 
-/// This much of a file is read to recognise its format, bytes.
+/// Length of the beginning by which a format is recognised, bytes.
 const BEGINNING: usize = 1 << 16;
 
-/// Reads a file of trajectories, attitudes, rotations or leap seconds into an almanac; what it knows stands before what is there.
+/// Reads a file of trajectories, attitudes, rotations or leap seconds into an almanac; it overrides what is there.
 ///
 /// # Errors
 /// Whatever is wrong with the file, or that its format is none of these.
@@ -29,8 +29,9 @@ pub struct Furnished {
     pub report: Report,
 }
 
-/// Reads files into an almanac. Kernels come first, because names and leap seconds of theirs
-/// say what other files mean; of two files that know the same, the later one of either kind holds, and one that is no kernel stands before kernels.
+/// Reads files into an almanac, and returns all that were read, including those that meta-kernels list. Kernels come
+/// first, because their names and leap seconds are needed to interpret other files; where two of a kind overlap the
+/// later one is used, and other files override kernels.
 ///
 /// # Errors
 /// As [`furnish`].
@@ -55,7 +56,7 @@ pub fn furnish_all(paths: &[PathBuf], almanac: &mut Almanac) -> Result<Furnished
     Ok(all)
 }
 
-/// Reads a file of trajectories and orientations that is no kernel, with these leap seconds.
+/// Reads a file of trajectories and orientations that is not a kernel, with these leap seconds.
 ///
 /// # Errors
 /// Whatever is wrong with the file, or that its format is none of these.

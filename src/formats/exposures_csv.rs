@@ -1,4 +1,4 @@
-//! `exposures.csv`: when and from where each part of a cube was taken.
+//! `exposures.csv`: epoch and camera pose of each part of a cube.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -22,7 +22,7 @@ pub const COLUMNS: &str = "first_line,last_line,first_band,last_band,middle_tdb,
 /// [`Error::Io`].
 pub fn write(path: &Path, exposures: &Exposures) -> Result<()> {
     let leap = LeapSeconds::default();
-    // Of a whisk-broom each part is a sample.
+    // For a whisk-broom each part is a sample.
     let by_sample = exposures.taken.iter().any(|part| part.take.mirror.is_some());
     let mut text = format!("{COLUMNS}{}\n", if by_sample { ",sample" } else { "" });
     for part in &exposures.taken {
@@ -63,7 +63,7 @@ pub struct Row {
     pub lines: Range<usize>,
     /// Its bands, from 0.
     pub bands: Range<usize>,
-    /// Of a whisk-broom its sample, from 0.
+    /// For a whisk-broom its sample, from 0.
     pub sample: Option<usize>,
     /// The middle of its exposure, TDB, as it is written.
     pub middle: String,
@@ -71,18 +71,18 @@ pub struct Row {
     pub tdb_s: f64,
     /// Where the camera is, from the body's centre along its axes, m.
     pub position_m: DVec3,
-    /// What carries axes of the sensor into those of the body.
+    /// Rotation from sensor axes to body axes.
     pub body_from_sensor: DQuat,
 }
 
 /// A longer table is refused, bytes.
 const LONGEST: u64 = 1 << 31;
-/// Of columns that have more than a number: the moment as text.
+/// Index of the text column: the epoch.
 const TEXT: usize = 4;
-/// A quaternion is as long as this but for what is written of it.
+/// Tolerance of a quaternion's length, for rounding in the text.
 const UNIT: f64 = 1e-6;
 
-/// Whether a file begins as such a table does.
+/// Whether a file has this table's header.
 ///
 /// # Errors
 /// [`Error::Io`].
@@ -151,11 +151,11 @@ pub fn read(path: &Path) -> Result<Vec<Row>> {
         let tdb_s = numbers[0];
         let after = rows.last().map(|row| row.tdb_s).filter(|before| *before >= tdb_s);
         if let Some(before) = after.filter(|_| wrong.is_empty()) {
-            wrong.push((cells[TEXT + 1], format!("moments must ascend: {tdb_s} s comes after {before} s")));
+            wrong.push((cells[TEXT + 1], format!("times must ascend: {tdb_s} s comes after {before} s")));
         }
         let body_from_sensor = DQuat::from_slice(&numbers[4..8]);
         if wrong.is_empty() && (body_from_sensor.length() - 1.0).abs() > UNIT {
-            wrong.push((cells[TEXT + 5], "the quaternion is not of length 1".to_owned()));
+            wrong.push((cells[TEXT + 5], "the quaternion must have length 1".to_owned()));
         }
         if !wrong.is_empty() {
             tell(&mut problems, &mut places, wrong);
@@ -175,7 +175,7 @@ pub fn read(path: &Path) -> Result<Vec<Row>> {
     if rows.is_empty() { Err(Error::invalid(Location::file(path), "has no rows")) } else { Ok(rows) }
 }
 
-/// Adds what is wrong with cells of a row, in the order of the row.
+/// Adds problems with cells of a row, in order.
 fn tell(problems: &mut Problems, places: &mut Places<'_>, mut wrong: Vec<(&str, String)>) {
     wrong.sort_by_key(|(cell, _)| cell.as_ptr() as usize);
     for (cell, message) in wrong {

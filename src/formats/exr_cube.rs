@@ -273,7 +273,7 @@ pub struct Info {
 /// Reads the header of the first part.
 ///
 /// # Errors
-/// [`Error::Io`], [`Error::Syntax`] if it is no OpenEXR file, [`Error::Unsupported`] for what the reader does not know.
+/// [`Error::Io`], [`Error::Syntax`] if it is not an OpenEXR file, [`Error::Unsupported`] for what the reader does not know.
 pub fn read_info(path: &Path) -> Result<Info> {
     use exr::meta::attribute::AttributeValue;
     let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|e| failed(path, e))?;

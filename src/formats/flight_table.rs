@@ -1,33 +1,5 @@
-//! Positions and attitudes as a table, as people write them down: moments, and for each where things are about one centre.
-//!
-//! ```text
-//! # centre = PHOBOS
-//! # frame = IAU_PHOBOS
-//! time,mmx_x_km,mmx_y_km,mmx_z_km,sun_x_km,sun_y_km,sun_z_km,sc_q1,sc_q2,sc_q3,sc_qc
-//! 2026-07-01T00:00:00 UTC,20,0,0,2.1e8,0,0,0,0,0,1
-//! ```
-//!
-//! - Columns are parted by commas, semicolons or tabs. `frame` is that of all positions, `IAU_` and the centre's name if it is not said;
-//!   `degree` that of polynomials (1: linear).
-//! - The first column is `time`, with a scale behind each; or `utc`, `tai`, `tt`, `tdb`, `gps`; or `seconds` behind an `epoch` (`# epoch =
-//!   2026-07-01T00:00:00 UTC`).
-//! - `NAME_x_km`, `_y_km`, `_z_km` (or `_m`) are a position; `NAME_vx_km_s` and so on (or `_m_s`) a velocity; `NAME_q1`, `_q2`, `_q3`, `_qc` are how
-//!   the frame NAME is turned in the table's frame, as the quaternion of a CCSDS AEM from A to B, its scalar last.
-//!
-//! The same as TOML; times have a scale, or are `seconds` behind an `epoch`, and every row has the same things:
-//!
-//! ```toml
-//! mmxrt_flight = 1
-//! centre = "PHOBOS"
-//! frame = "IAU_PHOBOS"
-//! [[row]]
-//! time = "2026-07-01T00:00:00 UTC"
-//! position_km = { MMX = [20.0, 0.0, 0.0], SUN = [2.1e8, 0.0, 0.0] }
-//! quaternion = { SC = [0.0, 0.0, 0.0, 1.0] }
-//! ```
-//!
-//! Rows are in the order of time. Positions go by Hermite's polynomials of degree 7 if there are velocities, and otherwise by Lagrange's,
-//! through fewer rows if there are fewer; attitudes turn steadily from one to the next.
+//! Hand-written tables of positions and attitudes: epochs, and for each the states of objects relative to one centre.
+//! As CSV or TOML; CONVENTIONS.md describes both, `schemas/flight.schema.json` the TOML.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -50,13 +22,13 @@ use crate::flight::{
 };
 use crate::report::{Fate, Report};
 
-/// Longer files are refused, bytes.
+/// Largest file, bytes.
 const LIMIT: u64 = 256 << 20;
-/// Degree of polynomials where a table does not say it.
+/// Default degree of polynomials.
 const DEGREE: usize = 7;
-/// What is known of a thing: position, velocity and quaternion, by where they begin in the order of [`ENDINGS`].
+/// Parts of an object's state: position, velocity and quaternion, by their ranges in [`ENDINGS`].
 const PARTS: [(&str, std::ops::Range<usize>); 3] = [("position", 0..3), ("velocity", 3..6), ("quaternion", 6..10)];
-/// How the names of columns end, with units, and the powers of ten that bring them to m and m/s.
+/// Endings of column names, with units, and the powers of ten that convert to m and m/s.
 const ENDINGS: [[(&str, i32); 2]; 10] = [
     [("_x_km", 3), ("_x_m", 0)],
     [("_y_km", 3), ("_y_m", 0)],
@@ -84,23 +56,23 @@ pub(super) static TABLE: Format = Format {
     holds: Holds::Flight { read, write: None },
 };
 
-/// One column: the number of its thing, of which quantity of [`ENDINGS`] it is, and its power of ten.
+/// One column: the index of its object, its quantity in [`ENDINGS`], and its power of ten.
 struct Column {
     thing: usize,
     quantity: usize,
     power: i32,
 }
 
-/// A thing or a frame.
+/// An object or a frame.
 struct Thing<'a> {
     name: &'a str,
-    /// What of it is known.
+    /// Which quantities are given.
     given: [bool; 10],
-    /// Of each row, m, m/s and 1.
+    /// Values per row, m, m/s and 1.
     values: Vec<[f64; 10]>,
 }
 
-/// Name, quantity and power of ten of a column's heading.
+/// Name, quantity and power of ten of a column heading.
 fn meaning(heading: &str) -> Option<(&str, usize, i32)> {
     let lower = heading.to_ascii_lowercase();
     ENDINGS.iter().enumerate().find_map(|(quantity, units)| {
@@ -109,7 +81,7 @@ fn meaning(heading: &str) -> Option<(&str, usize, i32)> {
     })
 }
 
-/// Lines that are no comments.
+/// Lines that are not comments.
 fn rows_of(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'))
 }
@@ -142,12 +114,12 @@ pub fn read(path: &Path, leap: &LeapSeconds) -> Result<FlightFile> {
     parse(&text, input, leap)
 }
 
-/// What a table says of all its rows.
+/// What applies to all rows of a table.
 struct Heading<'a> {
     centre: Option<&'a str>,
     frame: Option<&'a str>,
     degree: Option<usize>,
-    /// From when seconds are counted.
+    /// Epoch from which seconds count.
     start: Option<Epoch>,
 }
 
@@ -170,11 +142,11 @@ pub fn parse(text: &str, input: InputFile, leap: &LeapSeconds) -> Result<FlightF
         problems.push(|| problem().with_help(help));
     }
     if is_of_seconds && heading.start.is_none() {
-        let problem = || Problem::new(place(path, text, clock), "since when seconds are counted is not said");
-        problems.push(|| problem().with_help("above it: # epoch = 2026-07-01T00:00:00 UTC"));
+        let problem = || Problem::new(place(path, text, clock), "`seconds` needs an `epoch`");
+        problems.push(|| problem().with_help("add above it: # epoch = 2026-07-01T00:00:00 UTC"));
     }
     let (columns, mut things) = columns(path, text, header.get(1..).unwrap_or_default(), &mut problems);
-    // Without these the rows mean nothing.
+    // Without these the rows cannot be interpreted.
     problems.finish(path)?;
     let mut problems = Problems::default();
     let mut places = Places::of(path, text);
@@ -195,7 +167,7 @@ pub fn parse(text: &str, input: InputFile, leap: &LeapSeconds) -> Result<FlightF
         match moment {
             Err(why) => problems.push(|| Problem::new(places.place(cells[0]), why)),
             Ok(epoch) if epochs.last().is_some_and(|last| *last >= epoch) => {
-                let problem = || Problem::new(place(path, text, cells[0]), "is not later than the row before it");
+                let problem = || Problem::new(place(path, text, cells[0]), "is not later than the previous row");
                 problems.push(|| problem().with_help("sort the rows by time, each moment once"));
             }
             Ok(epoch) => epochs.push(epoch),
@@ -213,7 +185,7 @@ pub fn parse(text: &str, input: InputFile, leap: &LeapSeconds) -> Result<FlightF
         for thing in things.iter().filter(|thing| thing.given[6]) {
             let length = thing.values.last().map_or(1.0, |row| quaternion(row).length());
             if length.is_nan() || (length - 1.0).abs() > MOST_OFF {
-                let message = format!("the quaternion of {} has length {length:.6}: it should be 1", thing.name);
+                let message = format!("the quaternion of {} has length {length:.6}: must be 1", thing.name);
                 problems.push(|| Problem::new(place(path, text, line), message));
             }
         }
@@ -228,7 +200,7 @@ pub fn parse(text: &str, input: InputFile, leap: &LeapSeconds) -> Result<FlightF
 /// What is said of seconds that lead too far.
 const TOO_FAR: &str = "is more than 100,000 years away";
 
-/// A table as TOML.
+/// Positions and attitudes over time; every row has the same objects, rows are in order of time, and every time has a time scale.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct TomlTable {
@@ -236,47 +208,47 @@ struct TomlTable {
     #[serde(rename = "mmxrt_flight")]
     #[schemars(range(min = 1, max = 1))]
     _version: u32,
-    /// About what the positions are.
+    /// Centre of the positions.
     centre: String,
-    /// Along whose axes; those of the centre if it is not said.
+    /// Frame; default: the centre's.
     frame: Option<String>,
     /// Degree of polynomials; 1 is linear.
     #[schemars(range(min = 1))]
     degree: Option<usize>,
-    /// From when `seconds` are counted.
+    /// Epoch from which `seconds` count.
     epoch: Option<String>,
-    /// Moments, in the order of time.
+    /// Rows, in order of time.
     #[schemars(length(min = 1))]
     row: Vec<TomlRow>,
 }
 
-/// What is known at a moment.
+/// The states at an epoch.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct TomlRow {
-    /// The moment, with its scale.
+    /// The epoch, with its time scale.
     time: Option<String>,
-    /// The moment, s after `epoch`.
+    /// The epoch, s after `epoch`.
     seconds: Option<f64>,
-    /// Where things are, km.
+    /// Positions, km.
     #[serde(default)]
     position_km: BTreeMap<String, [f64; 3]>,
-    /// Where things are, m.
+    /// Positions, m.
     #[serde(default)]
     position_m: BTreeMap<String, [f64; 3]>,
-    /// How they move, km/s.
+    /// Velocities, km/s.
     #[serde(default)]
     velocity_km_s: BTreeMap<String, [f64; 3]>,
-    /// How they move, m/s.
+    /// Velocities, m/s.
     #[serde(default)]
     velocity_m_s: BTreeMap<String, [f64; 3]>,
-    /// How frames are turned: q1, q2, q3, qc.
+    /// Orientations of frames: q1, q2, q3, qc.
     #[serde(default)]
     quaternion: BTreeMap<String, [f64; 4]>,
 }
 
 impl TomlRow {
-    /// All things with what is known of them: m, m/s and 1.
+    /// All objects with their given quantities: m, m/s and 1.
     fn things(&self) -> BTreeMap<&str, ([bool; 10], [f64; 10])> {
         let mut things = BTreeMap::<&str, ([bool; 10], [f64; 10])>::new();
         let vectors = [
@@ -299,6 +271,11 @@ impl TomlRow {
         }
         things
     }
+}
+
+/// The JSON Schema of a table as TOML.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(TomlTable)
 }
 
 /// Reads a table as TOML.
@@ -327,13 +304,13 @@ pub fn parse_toml(document: &Document, input: InputFile, leap: &LeapSeconds) -> 
                 moment
             }
             _ => {
-                let message = "needs either `time`, with its scale, or `seconds`, and above all rows their `epoch`";
+                let message = "needs either `time` with its scale, or `seconds` and a top-level `epoch`";
                 problems.push(|| Problem::new(document.at(&item), message));
                 None
             }
         };
         if moment.is_some_and(|epoch| epochs.last().is_some_and(|last| *last >= epoch)) {
-            let problem = Problem::new(document.at(&item), "is not later than the row before it");
+            let problem = Problem::new(document.at(&item), "is not later than the previous row");
             problems.push(|| problem.with_help("sort the rows by time, each moment once"));
         }
         epochs.extend(moment);
@@ -347,13 +324,13 @@ pub fn parse_toml(document: &Document, input: InputFile, leap: &LeapSeconds) -> 
                 .zip(&things)
                 .all(|((name, (given, _)), thing)| *name == thing.name && *given == thing.given);
         if !is_same {
-            problems.push(|| Problem::new(document.at(&item), "does not have the same things as the first row"));
+            problems.push(|| Problem::new(document.at(&item), "must list the same objects as the first row"));
             continue;
         }
         for ((name, (given, values)), thing) in known.iter().zip(&mut things) {
             let length = quaternion(values).length();
             if given[6] && (length.is_nan() || (length - 1.0).abs() > MOST_OFF) {
-                let message = format!("the quaternion of {name} has length {length:.6}: it should be 1");
+                let message = format!("the quaternion of {name} has length {length:.6}: must be 1");
                 problems.push(|| Problem::new(document.at(&format!("{item}.quaternion")), message));
             }
             if given[3] && !given[0] {
@@ -397,20 +374,20 @@ fn heading<'a>(path: &Path, text: &'a str, leap: &LeapSeconds, problems: &mut Pr
         }
     }
     if heading.centre.is_none_or(str::is_empty) {
-        let problem = Problem::new(Location::file(path), "does not say about what its positions are");
-        problems.push(|| problem.with_help("at its beginning: # centre = PHOBOS"));
+        let problem = Problem::new(Location::file(path), "`centre` is missing");
+        problems.push(|| problem.with_help("add at the beginning: # centre = PHOBOS"));
     }
     heading
 }
 
-/// What the columns behind the first one mean, and the things that they are of, without rows.
+/// The meaning of the columns after the first, and the objects they belong to, without rows.
 fn columns<'a>(path: &Path, text: &str, header: &[&'a str], problems: &mut Problems) -> (Vec<Column>, Vec<Thing<'a>>) {
     let (mut columns, mut things) = (Vec::new(), Vec::<Thing<'a>>::new());
     for heading in header {
         let at = || place(path, text, heading);
         let Some((name, quantity, power)) = meaning(heading) else {
             let help = "columns are NAME_x_km or _m, NAME_vx_km_s or _m_s, and NAME_q1, _q2, _q3, _qc";
-            problems.push(|| Problem::new(at(), format!("`{heading}` says no quantity with its unit")).with_help(help));
+            problems.push(|| Problem::new(at(), format!("`{heading}` is not a known column")).with_help(help));
             continue;
         };
         let known = things.iter().position(|thing| thing.name.eq_ignore_ascii_case(name));
@@ -419,7 +396,7 @@ fn columns<'a>(path: &Path, text: &str, header: &[&'a str], problems: &mut Probl
             things.push(Thing { name, given: [false; 10], values: vec![] });
         }
         if std::mem::replace(&mut things[thing].given[quantity], true) {
-            problems.push(|| Problem::new(at(), format!("`{heading}` is there twice")));
+            problems.push(|| Problem::new(at(), format!("duplicate column `{heading}`")));
         }
         columns.push(Column { thing, quantity, power });
     }
@@ -427,7 +404,7 @@ fn columns<'a>(path: &Path, text: &str, header: &[&'a str], problems: &mut Probl
         for (part, range) in PARTS {
             let (count, all) = (given[range.clone()].iter().filter(|given| **given).count(), range.len());
             if count > 0 && count < all {
-                let message = format!("{count} columns are the {part} of {name}, which takes {all}");
+                let message = format!("{name} has {count} of the {all} {part} columns");
                 problems.push(|| Problem::new(Location::file(path), message));
             }
         }
@@ -442,7 +419,7 @@ fn quaternion(row: &[f64; 10]) -> DVec4 {
     DVec4::from_slice(&row[6..])
 }
 
-/// Trajectories and orientations of a table without mistakes.
+/// Trajectories and orientations of a valid table.
 fn file(heading: &Heading<'_>, epochs: &[Epoch], things: &[Thing<'_>], scale: Scale, input: InputFile) -> FlightFile {
     let mut report = Report::default();
     let mut said = |what: &str| report.note(Fate::Defaulted, Location::file(&input.path), what);

@@ -24,7 +24,7 @@ pub(crate) struct InstrumentToml {
     #[schemars(range(min = 1, max = 1))]
     #[allow(dead_code, reason = "the schema checks it")]
     mmxrt_instrument: u32,
-    /// A known instrument, what of which is not said here counts.
+    /// A known instrument; supplies every key not given here.
     preset: Option<Preset>,
     /// Focal length over aperture.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -32,12 +32,12 @@ pub(crate) struct InstrumentToml {
     /// Pitch of the detector's pixels, um.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pixel_um: Option<f64>,
-    /// For how long light is gathered, s.
+    /// Exposure time, s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     exposure_s: Option<f64>,
-    /// What blurs and veils the image.
+    /// Optics: what blurs the image, and stray light.
     optics: Option<OpticsToml>,
-    /// What counts the light.
+    /// Detector.
     detector: Option<DetectorToml>,
 }
 
@@ -46,14 +46,14 @@ pub fn schema() -> schemars::Schema {
     schemars::schema_for!(InstrumentToml)
 }
 
-/// An instrument, what it is made from, and what a reader of its results should know.
+/// An instrument, its input files, and notes for readers of its results.
 #[derive(Debug, Clone)]
 pub struct InstrumentFile {
-    /// What it does.
+    /// The instrument.
     pub chain: Chain,
     /// The files that were read.
     pub inputs: Vec<InputFile>,
-    /// What is worth knowing and no error.
+    /// Notes.
     pub notes: Vec<String>,
 }
 

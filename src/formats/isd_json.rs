@@ -12,13 +12,13 @@ use crate::flight::{Epoch, radii_m};
 use crate::geometry::FrameCamera;
 use crate::scene::{Motion, Readout, Scene, Timing};
 
-/// What focal lengths are taken to be, mm.
+/// Assumed focal length, mm.
 const FOCAL_MM: f64 = 100.0;
 /// Rows of positions and attitudes of a line scanner: at least, and per line. The model interpolates between eight.
 const LEAST_ROWS: usize = 17;
 const ROWS_PER_LINE: usize = 2;
 
-/// Where a sensor is and how it stands at a moment.
+/// The state of a sensor at an epoch.
 struct Row {
     position_m: DVec3,
     velocity_m_s: DVec3,
@@ -26,7 +26,7 @@ struct Row {
     sun_m: DVec3,
 }
 
-/// The ISD of a scene's image, of a tunable filter in a band, from 0.
+/// The ISD of a scene's image, for a tunable filter in a band, from 0.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for lenses that distort and whisk-brooms; [`Error::Invalid`] where something is, is not known at a moment.
@@ -69,7 +69,7 @@ fn row(motion: &Motion, epoch: Epoch) -> Result<Row> {
     })
 }
 
-/// What frame cameras and line scanners have alike.
+/// What frame cameras and line scanners share.
 fn common(scene: &Scene, motion: Option<&Motion>) -> Value {
     let camera = &scene.exposure.camera;
     // Of a body without a known size that of its mesh.
@@ -114,20 +114,20 @@ fn lines(isd: &mut Value, camera: &FrameCamera, motion: &Motion, timing: Timing)
     let count = camera.lines as usize;
     let (first_s, last_s) = (timing.middle_s(0), timing.middle_s(count.saturating_sub(1)));
     let rows = LEAST_ROWS.max(ROWS_PER_LINE * count + 1);
-    // Half a line beyond both ends, where edges of the image are looked for; no farther than what is known.
+    // Half a line beyond both ends, where edges of the image are sought; not beyond the data.
     let known = |from_s: f64| row(motion, motion.start.after_s(from_s)).is_ok();
     let beyond_s = 0.5 * timing.period_s;
     let begin_s = if known(first_s - beyond_s) { first_s - beyond_s } else { first_s };
     let end_s = if known(last_s + beyond_s) { last_s + beyond_s } else { last_s };
     let step_s = (end_s - begin_s) / (rows - 1) as f64;
     if step_s.is_nan() || step_s <= 0.0 {
-        let message = "one line alone has no way: a line scanner has two at least";
+        let message = "a line scanner needs at least two lines";
         return Err(Error::invalid(Location::item("sensor.lines"), message));
     }
     let mut all: Vec<Row> = Vec::with_capacity(rows);
     for i in 0..rows {
         let mut next = row(motion, motion.start.after_s(begin_s + i as f64 * step_s))?;
-        // The same rotation has two quaternions: between those of one sign is a path.
+        // q and -q are the same rotation: keep the sign that interpolates.
         if all.last().is_some_and(|before| before.body_from_sensor.dot(next.body_from_sensor) < 0.0) {
             next.body_from_sensor = -next.body_from_sensor;
         }

@@ -1,4 +1,4 @@
-//! The units in which names of keys end: a slip in one is no slip of the keyboard, and what helps is the number in the other unit.
+//! The units in which names of keys end: a slip in one is not a slip of the keyboard, and what helps is the number in the other unit.
 
 use std::f64::consts::PI;
 
@@ -99,7 +99,7 @@ fn shown(value: &Value, factor: f64) -> Option<String> {
     }
 }
 
-/// Without the last digits, which factors that are no powers of two disturb.
+/// Without the last digits, which factors that are not powers of two disturb.
 fn rounded(x: f64) -> String {
     number(format!("{x:.12e}").parse().unwrap_or(x))
 }

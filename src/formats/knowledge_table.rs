@@ -1,4 +1,4 @@
-//! Errors of where pixels are believed to be: as a table, as images, and in a few numbers.
+//! Geolocation errors as a table, images and a summary.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -16,7 +16,8 @@ use crate::study::knowledge::{Asked, Budget, Part, PixelBudget, Row};
 pub const FOLDER: FolderKind =
     FolderKind { marks: &["errors.json"], parts: &["errors.json", "errors.csv", "errors.img", "errors.hdr"] };
 
-/// Columns of the table: a row for each pixel and source. `sources`' scatter is linear, `monte_carlo`'s that of its draws; cells that do not apply are empty.
+/// Columns of the table: a row per pixel and source. The scatter of `sources` is linear, that of `monte_carlo` sampled;
+/// cells that do not apply are empty.
 pub const COLUMNS: &str = "sample,line,band,source,bias_east_m,bias_north_m,bias_up_m,sd_east_m,sd_north_m,sd_up_m,error_m,level_m,level_px,level_p95_m,missed";
 
 /// The table.
@@ -50,7 +51,7 @@ pub fn table(budget: &Budget) -> String {
     text
 }
 
-/// The images: along the ground by each source, and of all together the parts.
+/// The images: horizontal error by source, and components of the total.
 fn planes(budget: &Budget) -> Vec<Plane> {
     let plane = |name: String, unit: &str, of: &dyn Fn(&PixelBudget) -> Option<f64>| Plane {
         name,
@@ -99,7 +100,7 @@ pub fn write(folder: &Path, budget: &Budget, summary: &Value) -> Result<()> {
     put("errors.csv", table(budget))?;
     put("errors.json", format!("{summary:#}\n"))?;
     let planes = planes(budget);
-    let description = "Errors of where pixels are believed to be; NaN: no surface, or the believed ray meets none";
+    let description = "Geolocation errors, believed minus true; NaN: no surface, or the believed ray misses it";
     let all = planes.iter().map(Cow::Borrowed);
     envi::write_planes(&folder.join("errors.img"), budget.size, all, Precision::F64, description)
 }

@@ -1,4 +1,4 @@
-//! `knowledge.toml`: how well pointing, orbit, clock, lens and shape are known. Its JSON Schema is in `schemas/`.
+//! `knowledge.toml`: uncertainties of pointing, orbit, clock, lens and shape. Its JSON Schema is in `schemas/`.
 
 use std::path::{Path, PathBuf};
 
@@ -17,14 +17,14 @@ use crate::error::{Error, Problem, Result};
 use crate::geometry::{Mesh, body_from_site};
 use crate::study::knowledge::{Deviation, Knowledge, PositionAxes, Scatter, factor};
 
-/// So many draws are made where none are stated.
+/// Default number of draws.
 const DRAWS: u32 = 0;
-/// More are refused.
+/// Largest number of draws.
 const MOST_DRAWS: u32 = 1_000_000;
 /// An angle in these units, rad.
 const RAD: [f64; 3] = [1.0, 1e-3, std::f64::consts::PI / 648_000.0];
 
-/// How well what places pixels on the ground is known. What is left out is known exactly.
+/// Uncertainties of what places pixels on the ground. What is left out is exact.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct KnowledgeToml {
@@ -32,17 +32,17 @@ struct KnowledgeToml {
     #[schemars(range(min = 1, max = 1))]
     #[allow(dead_code, reason = "the schema checks it")]
     mmxrt_knowledge: u32,
-    /// How the sensor is turned, about its axes x (sample), y (line), z (boresight), by the right hand.
+    /// Attitude, about the sensor's axes x (sample), y (line), z (boresight), right-handed.
     attitude: Option<AttitudeToml>,
-    /// Where it is.
+    /// Position of the camera.
     position: Option<PositionToml>,
-    /// When it looks: the believed time is later than the true one.
+    /// Clock: positive if the believed time is later than the true one.
     clock: Option<ClockToml>,
-    /// Its focal length, relative to the true one.
+    /// Focal length, relative to the true one.
     focal_length: Option<FocalLengthToml>,
-    /// The surface.
+    /// Shape.
     shape: Option<ShapeToml>,
-    /// Draws that check what is carried on linearly.
+    /// Monte Carlo draws that check the linear propagation.
     monte_carlo: Option<MonteCarloToml>,
 }
 
@@ -62,7 +62,7 @@ struct AttitudeToml {
     sd_mrad: Option<[f64; 3]>,
     /// The same, arcsec.
     sd_arcsec: Option<[f64; 3]>,
-    /// Covariance of the turns about x, y, z, rad^2.
+    /// Covariance of the rotations about x, y, z, rad^2.
     covariance_rad2: Option<[[f64; 3]; 3]>,
     /// The same, mrad^2.
     covariance_mrad2: Option<[[f64; 3]; 3]>,
@@ -74,7 +74,7 @@ struct AttitudeToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct PositionToml {
-    /// What the three numbers are along. Default "track".
+    /// Axes of the three numbers. Default "track".
     axes: Option<AxesToml>,
     /// m. Default 0.
     bias_m: Option<[f64; 3]>,
@@ -121,12 +121,12 @@ struct FocalLengthToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct ShapeToml {
-    /// Higher than it is, along the radius, m. Default 0.
+    /// Believed height too large by, along the radius, m. Default 0.
     height_bias_m: Option<f64>,
     /// Standard deviation of that, m. Default 0.
     #[schemars(range(min = 0))]
     height_sd_m: Option<f64>,
-    /// Path of the mesh that is believed to be there: OBJ or glTF. Default: the scene's.
+    /// Path of the believed mesh: OBJ or glTF. Default: the scene's.
     mesh: Option<String>,
     /// Its unit of length, m. Default 1.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -135,7 +135,7 @@ struct ShapeToml {
     up: Option<Up>,
     /// Whether its coordinates are local to the scene's `origin_m`, or start at the body's centre. Default "local".
     coordinates: Option<Coordinates>,
-    /// How local coordinates stand on the body. Default "body".
+    /// Orientation of local coordinates on the body. Default "body".
     pose: Option<NamedPose>,
 }
 
@@ -143,29 +143,29 @@ struct ShapeToml {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct MonteCarloToml {
-    /// How many states are drawn. Default 0: none.
+    /// Number of draws. Default 0: none.
     #[schemars(range(max = 1_000_000))]
     draws: Option<u32>,
-    /// The same seed, the same draws. Default 1.
+    /// Seed. Default 1.
     seed: Option<u64>,
 }
 
-/// What a file says is known.
+/// The contents of a file.
 #[derive(Debug)]
 pub struct KnowledgeFile {
-    /// What is known.
+    /// The uncertainties.
     pub knowledge: Knowledge,
-    /// Draws that are asked for; 0: none.
+    /// Number of draws; 0: none.
     pub draws: u32,
     /// Their seed.
     pub seed: u64,
-    /// What was read: this file first.
+    /// Input files: this one first.
     pub inputs: Vec<InputFile>,
     document: Document,
 }
 
 impl KnowledgeFile {
-    /// An error of a study of this, which names items of the file: with their places in it.
+    /// An error of a study that names items of this file: adds their places in it.
     #[must_use]
     pub fn placed(&self, error: Error) -> Error {
         let Error::Invalid(mut problems) = error else { return error };
@@ -185,7 +185,7 @@ pub fn schema() -> schemars::Schema {
     schemars::schema_for!(KnowledgeToml)
 }
 
-/// Reads what is known of a scene with this origin, m.
+/// Reads the uncertainties for a scene with this origin, m.
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`]; [`Error::Invalid`] with all that is wrong in the file, or with the mesh that it names.
@@ -231,8 +231,8 @@ pub fn read(path: &Path, origin_m: DVec3) -> Result<KnowledgeFile> {
     let drawn = toml.monte_carlo.unwrap_or_default();
     let knowledge = Knowledge { bias, scatter, axes, mesh };
     if knowledge.sources().is_empty() {
-        let problem = Problem::new(document.at(""), "states no error: all would be known exactly");
-        let help = "give one, as `[attitude]` with `sd_mrad = [0.1, 0.1, 0.5]`, or `[clock]` with `bias_s = 0.02`";
+        let problem = Problem::new(document.at(""), "states no uncertainty: everything would be known exactly");
+        let help = "give one, e.g. `[attitude]` with `sd_mrad = [0.1, 0.1, 0.5]`, or `[clock]` with `bias_s = 0.02`";
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
     let draws = drawn.draws.unwrap_or(DRAWS).min(MOST_DRAWS);
@@ -247,19 +247,19 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The one of these keys that is given, and its place among them.
+    /// The given one of these keys, and its index.
     fn one<T: Copy>(&mut self, table: &str, keys: &[(&str, Option<T>)]) -> Option<(usize, T)> {
         let given: Vec<(usize, &str, T)> =
             keys.iter().enumerate().filter_map(|(i, (key, value))| Some((i, *key, (*value)?))).collect();
         if let [_, (_, second, _), ..] = given.as_slice() {
             let names: Vec<String> = given.iter().map(|(_, key, _)| format!("`{key}`")).collect();
-            let message = format!("say the same: give one of {}", names.join(", "));
+            let message = format!("only one of {} may be given", names.join(", "));
             self.problems.push(Problem::new(self.document.at(&format!("{table}.{second}")), message));
         }
         given.first().map(|(i, _, value)| (*i, *value))
     }
 
-    /// The factor of a covariance from standard deviations or from itself, in units of the first key.
+    /// The Cholesky factor of a covariance, from standard deviations or itself, in units of the first key.
     fn factor(
         &mut self,
         table: &str,
@@ -273,7 +273,7 @@ impl Reader<'_> {
             (Some((i, sd_of)), None) => {
                 if sd_of.iter().any(|sd| *sd < 0.0) {
                     let at = self.document.at(&format!("{table}.{}", sd[i].0));
-                    self.problems.push(Problem::new(at, "a standard deviation is not negative"));
+                    self.problems.push(Problem::new(at, "must not be negative"));
                 }
                 DMat3::from_diagonal(units[i] * DVec3::from_array(sd_of))
             }
@@ -281,13 +281,13 @@ impl Reader<'_> {
                 Some(factor) => factor * units[i],
                 None => {
                     let at = self.document.at(&format!("{table}.{}", covariance[i].0));
-                    let message = "is no covariance: three rows that are symmetric, and negative along no direction";
+                    let message = "must be symmetric and positive semidefinite";
                     self.problems.push(Problem::new(at, message));
                     DMat3::ZERO
                 }
             },
             (Some((i, _)), Some((j, _))) => {
-                let message = format!("says the same as `{}`: give one of the two", sd[i].0);
+                let message = format!("only one of `{}` and this may be given", sd[i].0);
                 let at = self.document.at(&format!("{table}.{}", covariance[j].0));
                 self.problems.push(Problem::new(at, message));
                 DMat3::ZERO
@@ -328,7 +328,7 @@ impl Reader<'_> {
             ];
             for (key, _) in placed.iter().filter(|(_, given)| *given) {
                 let at = self.document.at(&format!("shape.{key}"));
-                self.problems.push(Problem::new(at, "goes with `mesh`, which is not given"));
+                self.problems.push(Problem::new(at, "needs `mesh`"));
             }
             return Ok(None);
         };

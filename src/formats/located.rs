@@ -40,7 +40,7 @@ const KINDS: [(&str, &str); 6] = [
     ),
 ];
 
-/// What a file is that is no TOML text, by the ending of its name, and what is to be done with it.
+/// What a file is that is not a TOML text, by the ending of its name, and what is to be done with it.
 fn other_kind(path: &Path) -> Option<(&'static str, String)> {
     let ending = path.extension()?.to_str()?.to_lowercase();
     let scene_of = || format!("`mmxrt convert {} SCENE.toml` makes a scene of it", path.display());

@@ -32,7 +32,7 @@ fn of_meminfo(text: &str, key: &str) -> Option<u64> {
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
 }
 
-/// A value of the group of processes, bytes, by its names in the two versions of control groups. Without a limit it is no number, or a
+/// A value of the group of processes, bytes, by its names in the two versions of control groups. Without a limit it is not a number, or a
 /// huge one.
 fn of_group(names: [&str; 2]) -> Option<u64> {
     names.iter().find_map(|name| fs::read_to_string(Path::new("/sys/fs/cgroup").join(name)).ok()?.trim().parse().ok())

@@ -29,7 +29,7 @@ pub(super) fn named(beginning: &[u8]) -> Option<&'static str> {
     ours.or_else(|| foreign::named(beginning))
 }
 
-/// Bytes that are no text, in words.
+/// Bytes that are not text, in words.
 pub(super) fn not_text(beginning: &[u8]) -> String {
     match named(beginning) {
         Some("text in UTF-16") => "damaged text in UTF-16: save the file as UTF-8".into(),

@@ -35,7 +35,7 @@ pub struct PixelValues {
 /// Reads a pixel of a product folder.
 ///
 /// # Errors
-/// [`Error::Invalid`] for a pixel beyond the image, and for a folder that is no product; those of reading its images.
+/// [`Error::Invalid`] for a pixel beyond the image, and for a folder that is not a product; those of reading its images.
 pub fn read(folder: &Path, sample: usize, line: usize) -> Result<PixelValues> {
     folder.metadata().map_err(|e| Error::io(folder, "reading", e))?;
     let cube = folder.join("cube.img");

@@ -47,7 +47,7 @@ const POINTS: [&str; 3] = ["x_m", "y_m", "z_m"];
 /// Reads questions: a header `sample,line` or `x_m,y_m,z_m`, and where it matters `band`, counted from 1; then a row for each.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Invalid`] with every cell that is no number, and for a header of something else.
+/// [`Error::Io`]; [`Error::Invalid`] with every cell that is not a number, and for a header of something else.
 pub fn read(path: &Path) -> Result<Vec<Question>> {
     let text = input::text(path, LONGEST)?.0;
     let mut lines = text.lines().filter(|line| !line.trim().is_empty() && !line.trim_start().starts_with('#'));

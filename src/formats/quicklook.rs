@@ -123,7 +123,7 @@ pub fn write_bands(path: &Path, size: [usize; 2], bands: &[(String, Vec<f64>)]) 
 /// Width and height of a PNG, pixels, and whether it has colours.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Syntax`] if it is no PNG.
+/// [`Error::Io`]; [`Error::Syntax`] if it is not a PNG.
 pub fn read_info(path: &Path) -> Result<(u32, u32, bool)> {
     let file = input::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let reader = png::Decoder::new(BufReader::new(file)).read_info();

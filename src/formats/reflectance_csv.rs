@@ -97,7 +97,7 @@ pub fn parse(text: &str, path: &Path, extend: Extend) -> Result<Tabulated> {
 /// The factors in the order of the axes.
 fn fill(axes: &[Vec<f64>; 4], rows: &[(usize, [f64; 4], f64)], path: &Path) -> Result<Vec<f64>> {
     let count = axes.iter().try_fold(1_usize, |count, axis| count.checked_mul(axis.len()));
-    // A grid of which most is missing is no grid: say so before it takes memory.
+    // A grid of which most is missing is not a grid: say so before it takes memory.
     let count = count.filter(|count| *count / 2 <= rows.len());
     let Some(count) = count else {
         let sizes: Vec<String> = axes.iter().map(|axis| axis.len().to_string()).collect();
@@ -159,7 +159,7 @@ impl Header {
             let is_twice = match COORDINATES.iter().position(|coordinate| *coordinate == name) {
                 Some(k) => header.columns[k].replace(i).is_some(),
                 None if name == FACTOR => std::mem::replace(&mut header.factor, i) != usize::MAX,
-                None => return Err(format!("`{cell}` is no column of a table of reflectance factors")),
+                None => return Err(format!("`{cell}` is not a column of a table of reflectance factors")),
             };
             if is_twice {
                 return Err(format!("there are two columns `{name}`"));
@@ -186,7 +186,7 @@ impl Header {
             let Some(column) = column else { continue };
             let value = number_in(*column)?;
             let least_is_right = if k == 0 { value > 0.0 } else { value >= 0.0 };
-            // Nanometres of next to nothing are no micrometres at all.
+            // Nanometres of next to nothing are not micrometres at all.
             let least_is_right = least_is_right && (k != 0 || um_from_nm(value) > 0.0);
             if !least_is_right || value > MOST_DEG[k] {
                 let range = if k == 0 { "above 0".to_owned() } else { format!("from 0 to {}", MOST_DEG[k]) };
@@ -265,7 +265,7 @@ mod tests {
     fn what_cannot_be_used_is_told_with_its_line() {
         for (text, told) in [
             ("emission_deg,reflectance_factor\n", "a.csv:1: there is no column `incidence_deg`"),
-            ("incidence_deg,brf\n", "a.csv:1: `brf` is no column"),
+            ("incidence_deg,brf\n", "a.csv:1: `brf` is not a column"),
             ("incidence_deg,incidence_deg,reflectance_factor\n", "a.csv:1: there are two columns `incidence_deg`"),
             ("incidence_deg\n", "a.csv:1: there is no column `reflectance_factor`"),
             ("incidence_deg,reflectance_factor\n", "a.csv:1: no rows"),

@@ -103,10 +103,10 @@ pub fn of_spectra(path: &Path) -> Option<&'static Format> {
 /// | format | what is read |
 /// |---|---|
 /// | ENVI | any interleave, real types and byte order; `data gain values`, `data offset values` and `reflectance scale factor` apply |
-/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN, and -1 where nothing is less, which is no data in DART's images (not in a `DEM`) |
+/// | ILWIS 2 (`.mpr`, `.mp#`) | maps of values; its undefined values are NaN, and -1 where nothing is less, which means no data in DART's images (not in a `DEM`) |
 /// | OpenEXR | channels of all parts, on the display window; a name that ends in a wavelength (`S0.0950,000000nm`, `1000nm`, `0.95um`) says it |
 /// | PNG, JPEG | grey or red, green, blue, 0 to 1 as stored; NaN where transparent |
-/// | CSV | numbers alone, a line for each row; `nan`, or nothing between two commas, is no data |
+/// | CSV | numbers alone, a line for each row; `nan`, or nothing between two commas, means no data |
 /// | NumPy (`.npy`, `.npz` with one array of numbers or one named `raster`) | \[row, column\] or \[row, column, band\]; of one axis: one row |
 ///
 /// # Errors
@@ -141,11 +141,11 @@ pub fn image(path: &Path) -> Result<Raster> {
 /// Reads a mesh in any format. Files that it names may lie outside its folder if `outside` is set.
 ///
 /// # Errors
-/// What the format's reader says; [`Error::Invalid`] if it is no mesh, or in a format that is not read.
+/// What the format's reader says; [`Error::Invalid`] if it is not a mesh, or in a format that is not read.
 pub fn mesh(path: &Path, outside: bool) -> Result<MeshFile> {
     let beginning = input::beginning(path, BEGINNING)?;
     let found = told(path, &beginning, Format::is_mesh).map(|(format, _)| format);
-    // A file recognised as something else is no mesh, whatever its name.
+    // A file recognised as something else is not a mesh, whatever its name.
     let other = || marks::named(&beginning).filter(|name| !name.starts_with("text")).map(str::to_owned);
     let called = || called(path, Format::is_mesh).filter(|_| other().is_none());
     if let Some(Format { holds: Holds::Mesh { read }, .. }) = found.or_else(called) {
@@ -220,7 +220,7 @@ fn holds_numbers_alone(path: &Path) -> bool {
     path.metadata().is_ok_and(|file| Some(file.len()) == expected)
 }
 
-/// The error for a file that is no image: what it is instead, or how it begins.
+/// The error for a file that is not an image: what it is instead, or how it begins.
 fn no_image(path: &Path, beginning: &[u8]) -> Error {
     let ending = ending(path);
     let name = marks::named(beginning);

@@ -2,7 +2,7 @@
 //!
 //! Lines that begin with `#` are comments. The first other line is the header: a wavelength with its unit (`wavelength_nm`, `"Wavelength (um)"`),
 //! then a name for each response. Cells are parted by commas, semicolons, tabs or blanks, and may stand in quotation marks. Responses are
-//! relative or absolute, in any unit: only their shape counts. An empty cell is no point of its column; beyond a column's points the
+//! relative or absolute, in any unit: only their shape counts. An empty cell is not a point of its column; beyond a column's points the
 //! response is 0.
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -60,7 +60,7 @@ const ONE: [&str; 14] = [
 ];
 const HUNDRED: [&str; 9] = ["%", "percent", "percentage", "percents", "pct", "per cent", "0-100", "0 to 100", "0..100"];
 /// Units of irradiance, for messages.
-const IRRADIANCES: &str = "W, mW, uW or kW, per m2 or cm2, per nm, um or angstrom, as in `mW m-2 nm-1`";
+const IRRADIANCES: &str = "W, mW, uW or kW, per m2 or cm2, per nm, um or angstrom, e.g. `mW m-2 nm-1`";
 /// Units of wavelength, for messages.
 pub(super) const WAVE_UNITS: &str = "um, nm, angstrom, pm, mm, cm, m, cm-1, Hz, GHz, THz, eV";
 
@@ -238,7 +238,7 @@ pub(super) fn of_wavelength(cell: &str) -> Result<Option<WaveUnit>, (String, Str
     // In a sentence `a` is an article.
     let is_unit = |piece: &&str| *piece != "a" || others.len() == 1;
     let unit = others.iter().copied().filter(is_unit).find_map(WaveUnit::of);
-    let help = || format!("units are {WAVE_UNITS}, as in `wavelength_nm` or `wavenumber_cm-1`");
+    let help = || format!("units are {WAVE_UNITS}, e.g. `wavelength_nm` or `wavenumber_cm-1`");
     match (unit, names.first()) {
         (Some(unit), _) => Ok(Some(unit)),
         (None, Some(name)) if !others.is_empty() => {
@@ -265,7 +265,7 @@ fn is_wave_name(word: &str) -> bool {
     is_wavelength_name(word) || ["wavenumber", "wavenumbers", "frequency", "energy"].contains(&plain.as_str())
 }
 
-/// Words next to a wavelength that are no unit.
+/// Words next to a wavelength that are not units.
 fn is_harmless(word: &str) -> bool {
     const HARMLESS: [&str; 21] = [
         "vacuum", "vac", "air", "centre", "center", "central", "band", "channel", "x", "axis", "nominal", "mean", "of",

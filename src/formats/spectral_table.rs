@@ -62,7 +62,7 @@ pub(super) struct SpectralTable<'a> {
 /// Reads a table. `given_um`: the wavelengths of the rows, for a text that holds values alone.
 ///
 /// # Errors
-/// [`Error::Invalid`] with the cells that are no numbers, rows of another length than the header, wavelengths that are there twice, and
+/// [`Error::Invalid`] with the cells that are not numbers, rows of another length than the header, wavelengths that are there twice, and
 /// for units that are neither stated nor plain from the numbers.
 pub(super) fn parse<'a>(text: &'a str, path: &Path, given_um: Option<&[f64]>) -> Result<SpectralTable<'a>> {
     let lines = Lines::of(text);
@@ -77,7 +77,7 @@ pub(super) fn parse<'a>(text: &'a str, path: &Path, given_um: Option<&[f64]>) ->
 /// Reads the wavelengths of a text of values alone, um.
 ///
 /// # Errors
-/// As [`parse`]; for a text that is no list of wavelengths.
+/// As [`parse`]; for a text that is not a list of wavelengths.
 pub(super) fn wavelengths(text: &str, path: &Path) -> Result<Vec<f64>> {
     let lines = Lines::of(text);
     let (title, values) = one_column(&lines, text, path)?;
@@ -220,7 +220,7 @@ impl<'a> Lines<'a> {
         let rows_at = body.iter().position(begins_with_number).unwrap_or(body.len());
         let titles = body.iter().take(rows_at.saturating_sub(1));
         let mut report = Report::default();
-        // Lines that are no numbers below a header that is one are rows with a fault, not titles.
+        // Lines that are not numbers below a header that is one are rows with a fault, not titles.
         let header_at = match rows_at {
             0 => None,
             _ if names_wavelength(Separator::of(first).cells(first)[0]) => Some(0),
@@ -244,7 +244,7 @@ impl<'a> Lines<'a> {
         if in_comment.is_none() {
             wavelength_first(&mut cells, &mut rows);
         }
-        // Numbers of rows are no values.
+        // Numbers of rows are not values.
         if cells.len() < 2 {
             let message = "one column: a wavelength and a value, parted by a comma, are needed";
             return Err(Error::invalid(place(path, text, cells.first().copied().unwrap_or(header)), message));
@@ -284,7 +284,7 @@ impl<'a> Lines<'a> {
         table.comment = comment;
         table.has_header = false;
         table.percent_help =
-            "put a header above it, as in `wavelength_nm,reflectance_percent`, or `wavelength_um,irradiance_w_m2_um`";
+            "put a header above it, e.g. `wavelength_nm,reflectance_percent`, or `wavelength_um,irradiance_w_m2_um`";
         Ok(table)
     }
 }

@@ -583,7 +583,7 @@ mod tests {
 
     #[test]
     fn every_bad_row_is_told_with_its_place() {
-        // What is no table, then what is no spectrum.
+        // What is not a table, then what is not a spectrum.
         for (text, expected) in [
             (
                 "wavelength_um,reflectance\n1,0.1\n2, x\n3\n4,inf\n1,0.2\n-1,0.1\n0,4,0,05\n6,1,\n",

@@ -2,7 +2,7 @@
 
 /// The known word that a word was probably meant to be: two letters, or a third of them, differ.
 pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
-    // Long input is no slip of the keyboard, and the table below grows with its length.
+    // Long input is not a slip of the keyboard, and the table below grows with its length.
     if word.len() > 64 {
         return None;
     }

@@ -13,7 +13,7 @@ use super::wave_unit::WaveUnit;
 /// Endings of tables of text, besides `.csv`.
 const ENDINGS: [&str; 5] = ["txt", "tab", "dat", "asc", "tsv"];
 
-/// The beginning of a table of text, which may be cut within a character; `None` of what is called otherwise, or is no text.
+/// The beginning of a table of text, which may be cut within a character; `None` of what is called otherwise, or is not text.
 pub(super) fn beginning<'a>(path: &Path, bytes: &'a [u8]) -> Option<&'a str> {
     let text = match std::str::from_utf8(bytes) {
         Ok(text) => text,

@@ -383,7 +383,7 @@ impl Lens {
                 if !(turns_left && area(&outline) > 0.0) {
                     let of = pixel(sample, line as usize);
                     return Err(format!(
-                        "the outline of {of} is no convex quadrilateral: directions fold or jump there"
+                        "the outline of {of} is not a convex quadrilateral: directions fold or jump there"
                     ));
                 }
             }

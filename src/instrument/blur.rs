@@ -1,7 +1,7 @@
 //! Optics on a grid finer than pixels, and the means of pixels: by Fourier transforms.
 //!
-//! The kernel is a window of `reach_px` pixels to each side whose discrete transform is the optics' transfer at all waves that fit into it: it lets through what the optics do, loses
-//! no light, and what would go farther arrives within. Frequencies above half of the grid's do not exist on it.
+//! The kernel's DFT is the optical transfer function on a window of `reach_px` pixels to each side; light that would
+//! leave the window wraps into it, so none is lost. Frequencies above the grid's Nyquist frequency are cut off.
 
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
@@ -12,14 +12,14 @@ use rustfft::{Fft, FftPlanner};
 
 use super::Optics;
 
-/// Of the brightest part of an image: below it a value is rounding.
+/// Relative to the brightest part of an image: smaller values are rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Blurs images of one size at one wavelength.
 pub struct Blur {
     fine: Plane,
     coarse: Plane,
-    /// What passes of each wave of the fine grid, times what a pixel's mean lets through; columns first.
+    /// Transfer of each wave of the fine grid, including the pixel mean; columns first.
     transfer: Vec<Complex<f64>>,
     subpixels: usize,
     reach: usize,
@@ -38,7 +38,7 @@ impl Plane {
         Plane { size, along: size.map(&mut plan) }
     }
 
-    /// Lines to columns of waves.
+    /// Forward transform of lines to columns of waves.
     fn forward(&self, mut lines: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
         self.along[0].process(&mut lines);
         let mut columns = transposed(&lines, self.size);
@@ -46,7 +46,7 @@ impl Plane {
         columns
     }
 
-    /// Columns of waves to lines.
+    /// Inverse transform of columns of waves to lines.
     fn inverse(&self, mut columns: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
         let [width, height] = self.size;
         self.along[1].process(&mut columns);
@@ -68,7 +68,7 @@ impl Blur {
     pub fn new(optics: &Optics, lambda_um: f64, pixels: [usize; 2]) -> Self {
         let (subpixels, reach) = (optics.subpixels as usize, optics.reach_px as usize);
         let mut planner = FftPlanner::new();
-        // More pixels than there are, which show nothing: lengths without large factors are fast.
+        // Padding to lengths without large prime factors, which are fast.
         let coarse = pixels.map(|n| smooth(n + 2 * reach));
         let size = coarse.map(|n| n * subpixels);
         let fine = Plane::new(size, &mut planner, true);
@@ -82,7 +82,7 @@ impl Blur {
             .map(|i| optics.transfer([wave(i / window), wave(i % window)], lambda_um) / (window * window) as f64);
         let of_window = Plane::new([window; 2], &mut planner, false).inverse(of_window.collect());
         let mut kernel = vec![Complex::ZERO; size[0] * size[1]];
-        // What is as far to one side as to the other belongs to both.
+        // Symmetric weight for the sample equally far on both sides.
         let places = |i: usize, n: usize| match (2 * i).cmp(&window) {
             Ordering::Less => [i, i],
             Ordering::Equal => [i, n - i],
@@ -91,7 +91,7 @@ impl Blur {
         for (i, value) in of_window.into_iter().enumerate() {
             for y in places(i / window, size[1]) {
                 for x in places(i % window, size[0]) {
-                    // A point spread is real; waves of half a cycle per step have no other side.
+                    // A point spread is real: the Nyquist wave has no conjugate partner.
                     kernel[y * size[0] + x] += 0.25 * value.re;
                 }
             }
@@ -126,7 +126,7 @@ impl Blur {
         }
         let mut waves = self.fine.forward(waves);
         waves.iter_mut().zip(&self.transfer).for_each(|(wave, transfer)| *wave *= transfer);
-        // To take every n-th value is to add up the waves that agree there.
+        // Decimation by n adds up the waves that alias onto each other.
         let [coarse_width, coarse_height] = self.coarse.size;
         let mut folded = vec![Complex::ZERO; coarse_width * coarse_height];
         for (i, column) in waves.chunks_exact(height).enumerate() {
@@ -136,7 +136,7 @@ impl Blur {
             }
         }
         let image = self.coarse.inverse(folded);
-        // What transforms leave where there is no light is no light.
+        // Rounding of the transforms where there is no light is set to 0.
         let rounding = ROUNDING * fine.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         let ([samples, lines], reach) = (self.pixels, self.reach);
         let line = |y: usize| image[(reach + y) * coarse_width + reach..][..samples].iter().map(|value| value.re);
@@ -212,7 +212,7 @@ mod tests {
                 let found = contrast(&optics(), um, f);
                 assert!((found - expected).abs() < 1e-12, "{um} um, {f:?}: {found} {expected}");
             }
-            // Waves that do not fit into the window pass between those that do; of a lens, whose transfer has a corner at 0, slow ones are worst.
+            // Waves that do not fit into the window pass between those that do; for a lens, whose transfer has a corner at 0, slow ones are worst.
             let found = contrast(&optics(), um, [0.3, 0.0]);
             let expected = mtf::mean(0.3, 1.0)
                 * mtf::mean(0.3, 0.6)
@@ -232,7 +232,7 @@ mod tests {
         fine[height / 2 * width + width / 2 + 1] = 16.0;
         let pixels = blur.pixels(&fine);
         assert!((pixels.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        // Where none arrives there is none: rounding is no signal.
+        // Where none arrives there is none: rounding is not a signal.
         let mut aside = vec![0.0; width * height];
         aside[0] = 16.0;
         assert!(blur.pixels(&aside)[1..].iter().all(|value| *value == 0.0));

@@ -1,4 +1,4 @@
-//! A detector: radiance to electrons, to numbers that are sent, and back to radiance.
+//! A detector: radiance to electrons, to DN, and back to radiance.
 
 use crate::error::{Location, Problem};
 use crate::physics::signal;
@@ -7,40 +7,40 @@ use crate::spectral::{Band, Spectrum};
 
 use super::Lens;
 
-/// A detector and what reads it. What is random follows from `seed`, and from what it belongs to.
+/// A detector and its electronics. Random numbers follow from `seed` and the element or value they belong to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detector {
-    /// What light reaches a pixel.
+    /// The lens and pixel that collect light.
     pub lens: Lens,
-    /// Electrons per photon that enters, over wavelength: of optics and detector.
+    /// Electrons per photon entering the optics, over wavelength (optics and detector).
     pub throughput: Spectrum,
-    /// For how long light is gathered, s.
+    /// Exposure time, s.
     pub exposure_s: f64,
     /// Width of bands that have none, um.
     pub width_um: Option<f64>,
-    /// Electrons per second without light.
+    /// Dark current, electrons per second.
     pub dark_e_s: f64,
-    /// Electrons per second of what the instrument itself radiates.
+    /// Background from the instrument's own radiation, electrons per second.
     pub background_e_s: f64,
     /// Noise of reading, electrons.
     pub read_e: f64,
-    /// The most electrons that a pixel holds.
+    /// Full well, electrons.
     pub full_well_e: f64,
-    /// Electrons of one step of what is sent.
+    /// Gain, electrons per DN.
     pub step_e: f64,
-    /// Number that is sent for no electrons.
+    /// Offset (bias level), DN.
     pub offset_dn: f64,
-    /// Binary digits of what is sent.
+    /// Bit depth.
     pub bits: u32,
-    /// Standard deviation of the sensitivity of elements, of which calibration does not know.
+    /// Photo-response non-uniformity (PRNU), standard deviation, not removed by calibration.
     pub sensitivity_sd: f64,
-    /// Share of elements that see nothing.
+    /// Fraction of dead elements.
     pub dead: f64,
-    /// The same seed, the same noise.
+    /// Seed of the noise.
     pub seed: u64,
 }
 
-/// Of how many digits numbers may be.
+/// Largest bit depth.
 const MOST_BITS: u32 = 32;
 
 /// What random numbers are for.
@@ -51,16 +51,16 @@ enum Purpose {
     Noise = 3,
 }
 
-/// How a band is counted.
+/// Conversion of a band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Counting {
-    /// Electrons of 1 W m-2 sr-1 um-1.
+    /// Responsivity, electrons per W m-2 sr-1 um-1.
     pub electrons_per_radiance: f64,
-    /// Electrons that are no signal: in the dark, and of the instrument's own radiation.
+    /// Dark and background electrons.
     pub others_e: f64,
     /// Noise of reading, electrons.
     pub read_e: f64,
-    /// Electrons of a step.
+    /// Electrons per DN.
     pub step_e: f64,
     /// Standard deviation of the sensitivity of elements.
     pub sensitivity_sd: f64,
@@ -69,23 +69,23 @@ pub struct Counting {
     most_dn: f64,
 }
 
-/// What a pixel is measured as.
+/// A pixel's measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
-    /// What is sent.
+    /// DN.
     pub dn: f64,
-    /// What that is taken for, W m-2 sr-1 um-1.
+    /// Calibrated radiance, W m-2 sr-1 um-1.
     pub radiance: f64,
-    /// Whether it was too bright for the pixel, or for the number.
+    /// Whether it is saturated, by full well or bit depth.
     pub is_saturated: bool,
 }
 
 /// An element of a detector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
-    /// Its sensitivity over that of all.
+    /// Its sensitivity relative to the mean.
     pub sensitivity: f64,
-    /// Whether it sees nothing.
+    /// Whether it is dead.
     pub is_dead: bool,
 }
 
@@ -125,7 +125,7 @@ impl Detector {
         Element { sensitivity: sensitivity.max(0.0), is_dead: draws(Purpose::Death).unit() < self.dead }
     }
 
-    /// The numbers that make the noise of a value of a cube, by its place in it and by the occasion on which it is taken.
+    /// Random numbers for the noise of a value of a cube, by its place and by the exposure.
     pub fn noise(&self, occasion: u64, place: u64) -> Draws {
         Draws::new(mix(self.key(Purpose::Noise, place) ^ mix(occasion)))
     }
@@ -134,7 +134,7 @@ impl Detector {
         mix(mix(mix(self.seed) ^ purpose as u64) ^ number)
     }
 
-    /// What is wrong with it.
+    /// Problems with it.
     pub fn problems(&self, item: &str) -> Vec<Problem> {
         let mut problems = Vec::new();
         let mut problem =
@@ -159,14 +159,14 @@ impl Detector {
             ("sensitivity_sd", self.sensitivity_sd),
         ] {
             if !(value >= 0.0 && value.is_finite()) {
-                problem(key, format!("{value} is not a number from 0 on"));
+                problem(key, format!("{value}: must be 0 or more"));
             }
         }
         if !(0.0..=1.0).contains(&self.dead) {
-            problem("dead", format!("{} is not a share from 0 to 1", self.dead));
+            problem("dead", format!("{}: must be 0 to 1", self.dead));
         }
         if !(1..=MOST_BITS).contains(&self.bits) {
-            problem("bits", format!("{} is not from 1 to {MOST_BITS}", self.bits));
+            problem("bits", format!("{}: must be 1 to {MOST_BITS}", self.bits));
         }
         let most_dn = self.most_dn();
         if self.offset_dn >= most_dn {
@@ -174,15 +174,15 @@ impl Detector {
             problem("offset_dn", message);
         }
         if self.throughput.value().iter().any(|value| !(0.0..=1.0).contains(value)) {
-            problem("throughput", "is not from 0 to 1 everywhere".to_owned());
+            problem("throughput", "must be 0 to 1 at all wavelengths".to_owned());
         }
         problems
     }
 }
 
 impl Counting {
-    /// A radiance, W m-2 sr-1 um-1, as an element measures it: electrons are counted at random, read with noise, and sent as a whole number of steps. One that sees nothing sends what
-    /// no electrons are.
+    /// Measures a radiance, W m-2 sr-1 um-1, with an element: Poisson electrons, read noise, and rounding to DN. A dead
+    /// element gives the DN of no electrons.
     pub fn measure(&self, radiance: f64, element: Element, mut noise: Draws) -> Measured {
         if element.is_dead {
             return Measured { dn: self.offset_dn.round(), radiance: 0.0, is_saturated: false };
@@ -195,7 +195,8 @@ impl Counting {
         Measured { dn, radiance: self.radiance(dn), is_saturated }
     }
 
-    /// The radiance that a number stands for, W m-2 sr-1 um-1: what is no signal is taken off. 0 where the band lets nothing through.
+    /// Calibrated radiance of a DN, W m-2 sr-1 um-1, with dark and background removed. 0 where the band transmits
+    /// nothing.
     pub fn radiance(&self, dn: f64) -> f64 {
         self.radiance_of_electrons((dn - self.offset_dn) * self.step_e - self.others_e)
     }
@@ -215,7 +216,7 @@ impl Counting {
         self.offset_dn + self.others_e / self.step_e
     }
 
-    /// Signal over noise of a radiance; 0 of one that saturates, as what is sent then says nothing of it.
+    /// Signal-to-noise ratio of a radiance.
     pub fn snr(&self, radiance: f64) -> f64 {
         if radiance > self.brightest() {
             return 0.0;
@@ -229,7 +230,7 @@ impl Counting {
         )
     }
 
-    /// The brightest radiance that is not saturated, on average.
+    /// Saturation radiance, on average.
     pub fn brightest(&self) -> f64 {
         let most_e = self.full_well_e.min((self.most_dn - self.offset_dn) * self.step_e);
         self.radiance_of_electrons((most_e - self.others_e).max(0.0))

@@ -1,6 +1,8 @@
-//! What an instrument makes of the radiance before it, and how it is undone: optics blur it (`optics.rs`, `blur.rs`), a detector counts it (`detector.rs`).
+//! The instrument: optics blur the radiance (`optics.rs`, `blur.rs`), a detector counts it (`detector.rs`), and
+//! calibration undoes that.
 //!
-//! What a band responds to belongs to the band ([`Band::response`](crate::spectral::Band::response)), and is not applied here again.
+//! Spectral response belongs to the band ([`Band::response`](crate::spectral::Band::response)), and is not applied here
+//! again.
 
 mod blur;
 mod detector;
@@ -10,17 +12,17 @@ pub use blur::Blur;
 pub use detector::{Counting, Detector, Element, Measured};
 pub use optics::{Lens, Optics, PointSpread};
 
-/// From radiance to what is delivered: each part may be missing.
+/// The chain from radiance to data; each part may be missing.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Chain {
-    /// What blurs an image.
+    /// Optics.
     pub optics: Option<Optics>,
-    /// What counts it.
+    /// Detector.
     pub detector: Option<Detector>,
 }
 
 impl Chain {
-    /// Whether it leaves an image as it is.
+    /// Whether it changes nothing.
     pub fn is_ideal(&self) -> bool {
         self.optics.is_none() && self.detector.is_none()
     }

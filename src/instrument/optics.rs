@@ -1,4 +1,4 @@
-//! What blurs an image before a detector's area averages it.
+//! Optics: point spread, motion blur and stray light, before pixel averaging.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,7 @@ use rustfft::num_complex::Complex;
 use crate::error::{Location, Problem};
 use crate::physics::mtf;
 
-/// A perfect lens over a detector: where diffraction ends.
+/// A diffraction-limited lens over a detector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Focal length over aperture.
@@ -16,40 +16,40 @@ pub struct Lens {
     pub pixel_um: f64,
 }
 
-/// A measured point spread: values on a grid whose middle is the point's place.
+/// A measured point spread function on a grid centred on the source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointSpread {
-    /// Values in a line.
+    /// Values per line.
     pub samples: usize,
     /// Values, line by line; only relative ones count.
     pub values: Vec<f64>,
-    /// From value to value, pixels.
+    /// Step, pixels.
     pub step_px: f64,
 }
 
-/// What blurs an image before a detector's area averages it, and what veils it. Transfer functions multiply; 0 or `None`: it does not.
+/// Blur before pixel averaging, and stray light. Transfer functions multiply; 0 or `None`: no effect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Optics {
     /// Diffraction.
     pub lens: Option<Lens>,
     /// Standard deviation of a Gaussian that stands for aberrations and focus, pixels.
     pub gaussian_px: f64,
-    /// Standard deviation of motion that is fast beside an exposure, pixels.
+    /// Standard deviation of jitter that is fast against an exposure, pixels.
     pub jitter_px: f64,
-    /// Steady motion during an exposure along a line and across, pixels: of images that do not know how they move.
+    /// Linear smear during an exposure along a line and across, pixels, for images without a modelled motion.
     pub smear_px: [f64; 2],
     /// A measured point spread.
     pub measured: Option<PointSpread>,
-    /// Share of the light that is scattered evenly over all that is taken at once.
+    /// Stray light: fraction scattered evenly over all that is taken at once.
     pub stray: f64,
-    /// An image is blurred on a grid of so many parts of a pixel, along and across.
+    /// Subpixels per pixel of the blurring grid, along and across.
     pub subpixels: u32,
-    /// How far light goes, pixels; what would go farther arrives within.
+    /// Reach of the kernel, pixels; light that would go farther wraps into it.
     pub reach_px: u32,
 }
 
 impl Default for Optics {
-    /// Nothing blurs; if something does, by quarters of pixels, within eight of them.
+    /// No blur; the grid has quarters of pixels and a reach of eight pixels.
     fn default() -> Self {
         Optics {
             lens: None,
@@ -64,17 +64,17 @@ impl Default for Optics {
     }
 }
 
-/// The finest grid, and the farthest reach.
+/// Finest grid, and farthest reach.
 const MOST: u32 = 64;
-/// The largest length that blurs, pixels.
+/// Largest blur length, pixels.
 const MOST_PX: f64 = 16.0;
-/// The most values of a measured point spread.
+/// Most values of a measured point spread.
 const MOST_VALUES: usize = 1 << 16;
-/// The kernel reaches no farther, parts of pixels.
+/// Largest reach of the kernel, subpixels.
 const MOST_PARTS: u32 = 512;
 
 impl Optics {
-    /// What passes of a wave of so many cycles per pixel along a line and across, before the detector's area: 1 is all of it.
+    /// Optical transfer function at so many cycles per pixel along a line and across, before pixel averaging.
     pub fn transfer(&self, [fx, fy]: [f64; 2], lambda_um: f64) -> Complex<f64> {
         let f = fx.hypot(fy);
         let lens = self.lens.map_or(1.0, |lens| mtf::diffraction(f * lambda_um * lens.f_number / lens.pixel_um));
@@ -90,7 +90,7 @@ impl Optics {
         if self.blurs() { self } else { Optics { subpixels: 1, reach_px: 1, ..self } }
     }
 
-    /// Whether light leaves its place at all, but for what is scattered evenly.
+    /// Whether there is blur, apart from stray light.
     pub fn blurs(&self) -> bool {
         self.lens.is_some()
             || self.measured.is_some()
@@ -98,7 +98,7 @@ impl Optics {
             || self.smear_px != [0.0; 2]
     }
 
-    /// What is wrong with it.
+    /// Problems with it.
     pub fn problems(&self, item: &str) -> Vec<Problem> {
         let mut problems = Vec::new();
         let mut problem =
@@ -161,11 +161,11 @@ impl PointSpread {
         let PointSpread { samples, values, step_px } = self;
         let sum: f64 = values.iter().sum();
         if *samples == 0 || values.is_empty() || values.len() % samples != 0 || values.len() > MOST_VALUES {
-            Some(format!("{} values are no lines of {samples}, or more than {MOST_VALUES}", values.len()))
+            Some(format!("{} values do not form lines of {samples}, or are more than {MOST_VALUES}", values.len()))
         } else if !(sum > 0.0 && sum.is_finite()) {
             Some("its values do not add up to a positive number".to_owned())
         } else if !(*step_px > 0.0 && *step_px <= MOST_PX) {
-            Some(format!("a step of {step_px} pixels"))
+            Some(format!("the step must be above 0 and at most {MOST_PX} pixels: {step_px}"))
         } else {
             None
         }

@@ -133,7 +133,7 @@ pub(super) struct Planes<'a> {
     /// The pinhole of the drawing.
     camera: FrameCamera,
     towards_sun: DVec3,
-    /// Names of the dictionary entries that are no mixtures: each has a plane of area fractions, and one of lit area fractions.
+    /// Names of the dictionary entries that are not mixtures: each has a plane of area fractions, and one of lit area fractions.
     entries: Vec<String>,
     /// For each material its shares of these entries.
     shares: Vec<Vec<(usize, f64)>>,

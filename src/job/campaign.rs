@@ -1,4 +1,4 @@
-//! A campaign becomes a folder of products, and a record of what of the surface they see.
+//! Runs a campaign: a folder of products, and the coverage of the surface.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -18,10 +18,10 @@ use crate::study::{self, Moving};
 /// What a stage of progress is called here.
 const STAGE: &str = "acquisitions";
 
-/// One of several parts of a campaign: every `of`-th acquisition.
+/// A shard: every `of`-th acquisition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// Which one, from 1.
+    /// Its number, from 1.
     number: usize,
     of: usize,
 }
@@ -37,7 +37,7 @@ impl FromStr for Shard {
             Some((number, of)) => {
                 Err(format!("{number} is not from 1 to {of}: the parts of {of} are 1/{of} to {of}/{of}"))
             }
-            None => Err("give K/N, as 2/4 for the second of four parts".into()),
+            None => Err("give K/N, e.g. 2/4 for the second of four parts".into()),
         }
     }
 }
@@ -48,60 +48,60 @@ impl Shard {
     }
 }
 
-/// What is to be made of a campaign.
+/// What to run of a campaign.
 #[derive(Debug, Clone)]
 pub struct Order<'a> {
     /// The campaign's folder.
     pub folder: &'a Path,
-    /// Only a part of it.
+    /// Only a shard.
     pub shard: Option<Shard>,
-    /// No products: only what acquisitions see of the surface.
+    /// No products: only the facet sightings.
     pub coverage_only: bool,
 }
 
-/// How an acquisition ended.
+/// Outcome of an acquisition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
-    /// It has been made.
+    /// Made.
     Done,
-    /// It was there already, made from the same.
+    /// Already there, with the same id.
     Kept,
-    /// It could not be made.
+    /// Failed.
     Failed,
 }
 
-/// What became of an acquisition.
+/// Status of an acquisition.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Status {
     /// Its name.
     pub name: String,
-    /// When its first exposure begins, UTC.
+    /// Start of its first exposure, UTC.
     pub epoch_utc: String,
-    /// How it ended.
+    /// Outcome.
     pub state: State,
-    /// Where its product is, or what it sees.
+    /// Path of its product, or of its sightings.
     pub path: PathBuf,
     /// Why it failed.
     pub errors: Vec<String>,
-    /// What had been left by runs that were killed.
+    /// Leftovers of killed runs.
     pub settled: Vec<String>,
 }
 
-/// What became of a campaign.
+/// Result of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finished {
-    /// Acquisitions that were to be made here, made, kept and failed.
+    /// Numbers of acquisitions of this shard made, kept and failed.
     pub counts: [usize; 3],
-    /// What all of it has come to; `None` while acquisitions of other parts are missing.
+    /// The manifest; `None` while acquisitions of other shards are missing.
     pub manifest: Option<Manifest>,
-    /// Where that is.
+    /// Path of the manifest.
     pub path: PathBuf,
-    /// Products in the folder that are of no acquisition.
+    /// Products in the folder that belong to no acquisition.
     pub others: Vec<String>,
 }
 
-/// Makes the acquisitions of a campaign that are not there yet, each of which `report` is told; `run` is asked at the end of each what its `run.json` is to say.
-/// One that cannot be made does not stop the others. The last of several processes that share a campaign writes the manifest.
+/// Makes the missing acquisitions of a campaign and passes each to `report`; `run` supplies the `run.json` of each. A
+/// failure does not stop the others. The last of several processes that share a campaign writes the manifest.
 ///
 /// # Errors
 /// [`Error::Invalid`] if the folder is not one of a campaign, or holds what it is made from; [`Error::Io`] if what became of an acquisition cannot be
@@ -137,7 +137,7 @@ pub fn campaign(
             Err(error) => {
                 let errors = sentences(&error);
                 let failure = Failure { entry: campaign.entry_id(acquisition), errors: errors.clone() };
-                // What another process is making has not failed.
+                // An acquisition being made by another process has not failed.
                 if !CampaignFolder::is_busy(&error) {
                     folder.put_failure(name, &failure)?;
                 }
@@ -164,7 +164,7 @@ fn sentences(error: &Error) -> Vec<String> {
     if problems.is_empty() { vec![error.to_string()] } else { problems }
 }
 
-/// Makes an acquisition, or what of it is not there.
+/// Makes the missing parts of an acquisition.
 fn one(
     campaign: &mut Campaign,
     folder: &CampaignFolder,
@@ -193,7 +193,7 @@ fn one(
     Ok(State::Done)
 }
 
-/// What became of all acquisitions, whoever was to make them; `None` while one of them is neither there nor has failed.
+/// Status of all acquisitions, of any shard; `None` while one is neither there nor failed.
 fn entries(
     campaign: &mut Campaign,
     folder: &CampaignFolder,
@@ -205,7 +205,7 @@ fn entries(
     for acquisition in all {
         let name = &acquisition.name;
         let (mut sights, mut product) = (None, None);
-        // What cannot even be looked at has failed, and that is noted.
+        // An acquisition that cannot be opened has failed, which is recorded.
         if let Ok(look) = campaign.look(acquisition) {
             sights = Some(look.sights_id).filter(|id| folder.has_sights(name, id));
             product = Some(look.product_id).filter(|id| folder.has_product(name, id, &campaign.options));
@@ -228,7 +228,7 @@ fn entries(
     Ok(Some(entries))
 }
 
-/// Adds up what acquisitions see, and writes what the campaign has come to.
+/// Combines the coverage of acquisitions, and writes the manifest.
 fn finish(
     campaign: &Campaign,
     folder: &CampaignFolder,

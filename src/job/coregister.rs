@@ -1,4 +1,4 @@
-//! Whether the bands of a product can be laid on each other, by a plain matcher against what is true.
+//! Tests a plain matcher on the bands of a product, against the truth.
 
 use std::path::Path;
 
@@ -8,7 +8,8 @@ use crate::formats::{matches_csv, registry};
 use crate::progress::{Watch, tell};
 use crate::study::coregister::{Image, Quality, Truth, Windows, quality, tried};
 
-/// Matches windows of a band in another one, both counted from 0; on request a table (whether it may be replaced) receives them all.
+/// Matches windows of one band in another, both counted from 0; on request a table (whether it may be replaced)
+/// receives them all.
 ///
 /// # Errors
 /// [`Error::Io`], and what else is wrong with the product's images; [`Error::Invalid`] if it has no displacements, or no such band; [`Error::Interrupted`].
@@ -26,7 +27,7 @@ pub fn coregister(
     }
     if cube.is_file() && !displacement.is_file() {
         let problem =
-            Problem::new(Location::file(product), "has no displacement.img: bands of one moment lie on each other");
+            Problem::new(Location::file(product), "has no displacement.img: all its bands were taken at once");
         let help = "simulate a scene with a `[flight]` and `kind = \"tunable_filter\"`";
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
@@ -35,7 +36,7 @@ pub fn coregister(
     let (samples, lines) = (radiance.columns, radiance.rows);
     if [moved.columns, moved.rows, moved.bands.len()] != [samples, lines, 2 * radiance.bands.len()] {
         let message = format!(
-            "{} x {} pixels and {} planes: two for each band of cube.img, of its size, are expected",
+            "{} x {} pixels and {} planes: cube.img's size and two planes per band are expected",
             moved.columns,
             moved.rows,
             moved.bands.len()

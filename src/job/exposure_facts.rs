@@ -1,4 +1,4 @@
-//! What a product's table of exposures says: when what was taken, where moments are missing, and how fast the image drifted meanwhile.
+//! Facts of a product's table of exposures: epochs, gaps, and how fast the image drifted.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::formats::exposures_csv::{self, Row};
 use crate::formats::raster::Raster;
 use crate::formats::registry;
 
-/// What such a table says.
+/// Facts of such a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExposureFacts {
     /// What each exposure takes: `all`, `a band`, `a line`, `a sample`.
@@ -19,19 +19,19 @@ pub struct ExposureFacts {
     pub ends: [String; 2],
     /// Between those, s.
     pub span_s: f64,
-    /// From one to the next, if there are two; of a whisk-broom within a sweep.
+    /// Steps between exposures, if there are two; for a whisk-broom within a sweep.
     pub steps: Option<Steps>,
-    /// Of a whisk-broom from the end of a sweep to the beginning of the next.
+    /// For a whisk-broom: steps from the end of a sweep to the start of the next.
     pub between_sweeps: Option<Steps>,
-    /// Steps that are much longer than others: after which exposure, from 0, and how long, s.
+    /// Gaps: after which exposure, from 0, and how long, s.
     pub gaps: Vec<(usize, f64)>,
     /// How fast the camera goes in the frame of the body, m/s, and turns in it, rad/s: medians over steps.
     pub moves: Option<[f64; 2]>,
-    /// By how many samples and lines a second the image drifts, if files beside the table tell it.
+    /// Drift of the image, samples and lines per second, if files beside the table give it.
     pub drift_px_s: Option<Drift>,
 }
 
-/// How fast an image drifts, pixels a second.
+/// Drift of an image, pixels per second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
     /// Samples, and lines: from the first exposure to the last.
@@ -40,7 +40,7 @@ pub struct Drift {
     pub most: f64,
 }
 
-/// A step so many times as long as the usual one is a gap: the one in the middle, and of two in the middle the shorter, as a table of three exposures has them.
+/// A gap: longer than GAP times the (lower) median step.
 const GAP: f64 = 1.5;
 
 /// What a table of exposures says; `displacement.img` and `backplanes.img` beside it tell the drift.
@@ -112,7 +112,7 @@ fn moves(rows: &[Row]) -> Option<[f64; 2]> {
     };
     Some([
         rates(&|a, b| (b.position_m - a.position_m).length())?,
-        // The opposite of a quaternion is the same turn.
+        // -q is the same rotation.
         rates(&|a, b| {
             let turn = b.body_from_sensor * a.body_from_sensor.inverse();
             2.0 * turn.xyz().length().atan2(turn.w.abs())
@@ -125,12 +125,15 @@ fn beside(path: &Path) -> Result<Option<Raster>> {
     if path.is_file() { registry::image(path).map(Some) } else { Ok(None) }
 }
 
-/// Of a filter: by how much displacements of bands differ, on the mean over pixels that both show.
+/// For a filter: differences of the band displacements, averaged over pixels that both show.
 fn of_bands(path: &Path, rows: &[Row]) -> Result<Option<Drift>> {
     let Some(mut image) = beside(path)? else { return Ok(None) };
     if image.bands.len() != 2 * rows.len() {
-        let message =
-            format!("has {} planes, but exposures.csv {} exposures: two for each", image.bands.len(), rows.len());
+        let message = format!(
+            "has {} planes but exposures.csv has {} exposures: two planes each are expected",
+            image.bands.len(),
+            rows.len()
+        );
         return Err(Error::invalid(Location::file(path), message));
     }
     let mut read = |exposure: usize| -> Result<[Vec<f64>; 2]> {
@@ -164,12 +167,12 @@ fn rate(from: &[Vec<f64>; 2], to: &[Vec<f64>; 2], s: f64) -> Option<[f64; 2]> {
     Some([along(0)?, along(1)?])
 }
 
-/// Of a push-broom: how far the ground in the middle of each line lies from that in the line before, over how far it is from line to line at one moment. Which way
+/// For a push-broom: how far the ground in the middle of each line lies from that in the line before, over how far it is from line to line at one moment. Which way
 /// that is nothing tells; along a slit it does not go if lines are to make an image.
 fn of_lines(path: &Path, rows: &[Row]) -> Result<Option<Drift>> {
     let Some(mut image) = beside(path)? else { return Ok(None) };
     if image.rows != rows.len() {
-        let message = format!("has {} lines, but exposures.csv {} exposures", image.rows, rows.len());
+        let message = format!("has {} lines but exposures.csv has {} exposures", image.rows, rows.len());
         return Err(Error::invalid(Location::file(path), message));
     }
     let named = |name: &str| image.bands.iter().position(|band| band.name.split_whitespace().next() == Some(name));

@@ -1,4 +1,4 @@
-//! What a file of flight dynamics knows: of what, when, in which steps, how high.
+//! Facts of a flight-dynamics file: objects, coverage, steps, altitudes.
 
 use std::path::Path;
 
@@ -10,44 +10,44 @@ use crate::flight::{
 use crate::formats::ephemeris;
 use crate::formats::flight_file::FlightFile;
 
-/// How far apart rows are, s.
+/// Statistics of row spacing, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Steps {
     /// The least.
     pub min_s: f64,
-    /// As many are longer as shorter.
+    /// Median.
     pub median_s: f64,
     /// The most.
     pub max_s: f64,
 }
 
-/// A part of a trajectory or orientation.
+/// A segment of a trajectory or orientation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartFacts {
-    /// When it holds; `None`: at all times.
+    /// Its span; `None`: all times.
     pub span: Option<Span>,
-    /// Its rows; 0 if it has none.
+    /// Number of rows.
     pub rows: usize,
-    /// How far apart they are, if there are two.
+    /// Spacing of rows, if there are two.
     pub steps: Option<Steps>,
-    /// How to go between them.
+    /// Interpolation.
     pub interpolation: String,
 }
 
-/// What is known of one thing.
+/// Facts of one object or frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlightFacts {
-    /// What moves, or the frame that turns.
+    /// The object, or the frame.
     pub of: String,
-    /// About what, or in which frame.
+    /// Its centre, or base frame.
     pub about: String,
-    /// Along whose axes, of a trajectory.
+    /// The frame of a trajectory.
     pub frame: Option<String>,
-    /// Its parts, in the order of the file.
+    /// Its segments, in file order.
     pub parts: Vec<PartFacts>,
-    /// Between which moments nothing is known.
+    /// Coverage gaps.
     pub gaps: Vec<Span>,
-    /// Least and greatest height above the centre's ellipsoid along the line to its middle, m, if that and its rotation are known.
+    /// Least and greatest altitude above the centre's ellipsoid, m, if that and its rotation are known.
     pub altitude_m: Option<[f64; 2]>,
 }
 
@@ -141,14 +141,14 @@ fn gaps(spans: &[Span]) -> Vec<Span> {
     spans.windows(2).map(|two| Span { start: two[0].end, end: two[1].start }).collect()
 }
 
-/// The least and greatest height at rows.
+/// The least and greatest altitude at rows.
 fn altitudes_m(of: &Trajectory, almanac: &Almanac) -> Option<[f64; 2]> {
     let radii_m = radii_m(&of.centre)?;
     let fixed = format!("IAU_{}", of.centre);
     let mut range: Option<[f64; 2]> = None;
     for segment in &of.segments {
         for epoch in moments(segment) {
-            // Rows may lie outside the times that can be used.
+            // Rows may lie outside the usable span.
             let Some(state) = of.state(epoch).ok()? else { continue };
             let rotation = almanac.rotation(&fixed, &of.frame, epoch).ok()?;
             let height_m = altitude_m(rotation * state.position_m, radii_m);

@@ -1,4 +1,5 @@
-//! What a file of flight dynamics knows, to look at: ground tracks, heights and phase angles of trajectories, directions and rates of frames that turn.
+//! Plots of a flight-dynamics file: ground tracks, altitudes and phase angles of trajectories; directions and rates of
+//! rotating frames.
 
 use std::path::Path;
 
@@ -10,12 +11,12 @@ use crate::formats::ephemeris;
 use crate::formats::track_picture::{self, Broken, Track, TrackSheet, unwrapped};
 use crate::geometry::angle_rad;
 
-/// Moments that a span is drawn at.
+/// Number of epochs per plotted span.
 const MOMENTS: u32 = 600;
-/// A turn of less than this angle, rad, tells no rate.
+/// Smallest rotation that gives a rate, rad.
 const STILL_RAD: f64 = 1e-12;
 
-/// Draws what a file knows as SVG or PNG.
+/// Draws a file's contents as SVG or PNG.
 ///
 /// # Errors
 /// Those of [`flight_sheet`] and of [`track_picture::write`].
@@ -23,7 +24,8 @@ pub fn draw_flight(path: &Path, target: &Path, replace: bool) -> Result<()> {
     track_picture::write(&flight_sheet(path)?, target, replace, path)
 }
 
-/// What a file knows, to be drawn: of trajectories the point below, if how their centre turns is known; of a file without any where +z of its frames points.
+/// The plots of a file: sub-object points of trajectories, if their centre's rotation is known; for a file without
+/// trajectories, the +z axes of its frames.
 ///
 /// # Errors
 /// Those of its reader; [`Error::Invalid`] if nothing of it can be drawn.
@@ -66,7 +68,7 @@ pub fn flight_sheet(path: &Path) -> Result<TrackSheet> {
     })
 }
 
-/// Even moments of a span, both ends included.
+/// Equally spaced epochs of a span, both ends included.
 fn moments(span: &Span) -> impl Iterator<Item = Epoch> + use<> {
     let (start, length_s) = (span.start, span.end.since_s(span.start));
     let end = span.end;
@@ -81,7 +83,7 @@ fn directed_deg(p: DVec3) -> [f64; 2] {
     [p.y.atan2(p.x).to_degrees().rem_euclid(360.0), p.z.atan2(p.x.hypot(p.y)).to_degrees()]
 }
 
-/// Below it, how high it is above its centre's ellipsoid (or how far from the centre), and the angle there between it and the Sun.
+/// The sub-object point, the altitude above the centre's ellipsoid (or distance from the centre), and the phase angle.
 fn of_trajectory(of: &Trajectory, almanac: &Almanac, start: Epoch) -> Result<Track> {
     let fixed = format!("IAU_{}", of.centre);
     let radii_m = almanac.radii_m(&of.centre).or_else(|| radii_m(&of.centre));
@@ -110,7 +112,7 @@ fn of_trajectory(of: &Trajectory, almanac: &Almanac, start: Epoch) -> Result<Tra
     Ok(Track { name: of.target.clone(), map, series: vec![heights, phases] })
 }
 
-/// Where its +z points in its base, how far it has turned since the first moment, and how fast it turns.
+/// The direction of its +z in the base, the rotation since the first epoch, and the rate.
 fn of_orientation(of: &Orientation, start: Epoch) -> Result<Track> {
     let (mut map, mut angles, mut rates): (Broken, Broken, Broken) = Default::default();
     let mut first = None;

@@ -32,7 +32,7 @@ pub struct Survey {
 /// Reads all bands of an image, and writes the picture.
 ///
 /// # Errors
-/// Those of [`registry::image`] and [`Raster::read`]; [`Error::Invalid`] for a picture that is no PNG or shows a band that is not there;
+/// Those of [`registry::image`] and [`Raster::read`]; [`Error::Invalid`] for a picture that is not a PNG or shows a band that is not there;
 /// those of [`Staged::file`]; [`Error::Interrupted`] if `watch` asks to stop.
 pub fn survey(path: &Path, picture: Option<&Picture>, watch: Watch<'_>) -> Result<Survey> {
     let is_png = |target: &Path| target.extension().is_none_or(|e| e.eq_ignore_ascii_case("png"));

@@ -1,4 +1,4 @@
-//! A cube of radiance becomes what an instrument would have made of it.
+//! Applies an instrument to a cube of radiance.
 
 use std::path::{Path, PathBuf};
 
@@ -15,24 +15,24 @@ use crate::scene::Readout;
 use crate::spectral::Band;
 use crate::study::{Reader, Reading, over_cube};
 
-/// What is asked for.
+/// Options.
 #[derive(Debug, Clone)]
 pub struct Asked {
     /// The cube: radiance, W m-2 sr-1 um-1, with wavelengths.
     pub cube: PathBuf,
     /// What is made of it.
     pub instrument: InstrumentFile,
-    /// Whether optics may blur means of pixels, which is an approximation.
+    /// Whether optics may blur pixel means, which is an approximation.
     pub approximate: bool,
-    /// Whether lines of the cube are read by the same elements, as of a push-broom.
+    /// Whether all lines share detector elements, as for a push-broom.
     pub by_line: bool,
 }
 
-/// Makes of a cube what an instrument would, and writes it into a folder: `cube.img`, of a detector `dn.img`, and reports; `run` is asked at the end what `run.json` is
-/// to say.
+/// Applies an instrument to a cube and writes a folder: `cube.img`, `dn.img` for a detector, and reports; `run`
+/// supplies `run.json`.
 ///
 /// # Errors
-/// [`Error::Invalid`] if the cube has no wavelengths, or is no radiance; if optics blur and no approximation is wanted; [`Error::Io`]; [`Error::Interrupted`].
+/// [`Error::Invalid`] if the cube has no wavelengths, or is not radiance; if optics blur and no approximation is wanted; [`Error::Io`]; [`Error::Interrupted`].
 pub fn instrument(
     asked: &Asked,
     (folder, replace): (&Path, bool),
@@ -44,9 +44,9 @@ pub fn instrument(
     if !remarks.is_empty() && !asked.approximate {
         let problem = Problem::new(
             Location::file(&asked.cube),
-            "optics blur what lies within pixels, which their means do not hold",
+            "optics need sub-pixel detail, which a cube of pixel means lacks",
         )
-        .with_help("take `simulate` with these optics in the scene; or say --approximate, to blur means of pixels");
+        .with_help("put the optics into the scene and run `simulate`; or pass --approximate to blur the pixel means");
         return Err(Error::Invalid(vec![problem]));
     }
     let staged = Staged::folder(folder, replace)?;
@@ -69,7 +69,7 @@ pub fn instrument(
     let Some(bands) = centres else { return problem("has bands without a wavelength".to_owned()) };
     if !is_radiance {
         let unit = raster.unit.clone().unwrap_or_default();
-        return problem(format!("is in {unit}: radiance in {} is wanted", Quantity::Radiance.unit()));
+        return problem(format!("is in {unit}: radiance in {} is needed", Quantity::Radiance.unit()));
     }
     let inputs = raster.inputs()?;
     let all = inputs.iter().chain(&asked.instrument.inputs).map(|input| input.path.as_path());

@@ -1,4 +1,4 @@
-//! Questions about where pixels look, and in which pixels points lie.
+//! Geolocation queries: ground points of pixels, and pixels of ground points.
 
 use std::path::Path;
 
@@ -15,10 +15,10 @@ use crate::study;
 use crate::study::knowledge::{self, Row};
 use crate::study::locate::Locator;
 
-/// At most this many acquisitions are named.
+/// Most acquisitions listed in a message.
 const TOLD: usize = 8;
 
-/// Writes answers as a table.
+/// Writes results as a table.
 ///
 /// # Errors
 /// Those of [`Staged::file`]; [`Error::Invalid`](crate::Error::Invalid) if an input would be replaced; [`Error::Io`](crate::Error::Io).
@@ -29,7 +29,7 @@ pub fn write_answers(target: &Path, replace: bool, text: &str, inputs: &[&Path])
     staged.commit()
 }
 
-/// Answers questions about a scene, or about the acquisition of this name of a campaign, in their order, each with its band counted from 0.
+/// Answers queries about a scene, or a named acquisition of a campaign, in order, each with its band counted from 0.
 ///
 /// # Errors
 /// Those of [`scene_toml::read`], of [`Campaign::open`] and [`Campaign::subject`], and of [`Locator::ground`]; [`Error::Invalid`] for an acquisition
@@ -59,7 +59,7 @@ pub fn locate(
         .collect()
 }
 
-/// A scene, or the acquisition of this name of a campaign.
+/// A scene, or a named acquisition of a campaign.
 fn opened(file: &Path, acquisition: Option<&str>, watch: Watch<'_>) -> Result<Subject> {
     match acquisition {
         Some(name) => acquired(file, name, watch),
@@ -74,17 +74,18 @@ pub(super) fn acquired(file: &Path, name: &str, watch: Watch<'_>) -> Result<Subj
         let names = campaign.acquisitions.iter().map(|acquisition| acquisition.name.as_str());
         let first: Vec<&str> = names.take(TOLD).collect();
         let more = if campaign.acquisitions.len() > TOLD { " ..." } else { "" };
-        let problem = Problem::new(campaign.at("acquisitions"), format!("there is none called {name:?}"));
-        return Err(Error::Invalid(vec![problem.with_help(format!("they are {}{more}", first.join(", ")))]));
+        let problem = Problem::new(campaign.at("acquisitions"), format!("there is no acquisition called {name:?}"));
+        return Err(Error::Invalid(vec![problem.with_help(format!("acquisitions: {}{more}", first.join(", ")))]));
     };
     let look = campaign.look(&acquisition)?;
     campaign.subject(&acquisition, look)
 }
 
-/// Without a word about it, of at most so many pixels the errors are told.
+/// Most pixels reported when `--every` is not given.
 const PIXELS: u32 = 256;
 
-/// How far off the pixels of a scene, or of an acquisition of a campaign, are placed by what a file says is known; on request a folder (whether it may be replaced) receives the table, images and numbers.
+/// Geolocation errors of a scene, or of an acquisition of a campaign, by the uncertainties in a file; on request a
+/// folder (whether it may be replaced) receives the table, images and summary.
 ///
 /// # Errors
 /// Those of [`scene_toml::read`], [`knowledge_toml::read`], [`knowledge::budget`] and [`Staged::folder_of`]; [`Error::Io`](crate::Error::Io).
@@ -125,7 +126,7 @@ pub fn locate_errors(
     Ok((rows, summary))
 }
 
-/// Writes the image support data of a scene, or of an acquisition of a campaign, for CSM, of a tunable filter in a band, from 0: without one the reference.
+/// Writes the image support data of a scene, or of an acquisition of a campaign, for CSM, for a tunable filter in a band (from 0; without one the reference).
 ///
 /// # Errors
 /// Those of [`scene_toml::read`], [`isd_json::isd`] and [`Staged::file`]; [`Error::Invalid`](crate::Error::Invalid) if an input would be replaced;

@@ -1,4 +1,4 @@
-//! An image as a map of the ground.
+//! Orthorectifies an image.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::progress::Watch;
 use crate::scene::Readout;
 use crate::study::{self, MapWish};
 
-/// What has been mapped.
+/// Result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mapped {
     /// The grid.
@@ -98,7 +98,7 @@ pub fn ortho(
         let size = [camera.samples as usize, camera.lines as usize, count];
         if [raster.columns, raster.rows, raster.bands.len()] != size {
             let message = format!(
-                "has {} x {} pixels and {} bands, and the scene {} x {} and {count}: it is no image of it",
+                "does not match the scene: {} x {}, {} bands against {} x {}, {count}",
                 raster.columns,
                 raster.rows,
                 raster.bands.len(),

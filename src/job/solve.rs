@@ -44,7 +44,7 @@ impl FromStr for Towards {
             Some(("towards", list)) => numbers(list).and_then(Direction::new).map(Towards::Afar),
             _ => None,
         };
-        found.ok_or_else(|| format!("{text:?} is no observer: {help}"))
+        found.ok_or_else(|| format!("{text:?} is not an observer: {help}"))
     }
 }
 

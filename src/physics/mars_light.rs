@@ -300,7 +300,7 @@ fn half_phase(cos_phase: f64) -> f64 {
     (0.5 * (1.0 - cos_phase)).max(0.0).sqrt().min(1.0)
 }
 
-/// Lagrange's weights on 0, 1/2, 1.
+/// Lagrange weights on 0, 1/2, 1.
 fn quadratic(x: f64) -> [f64; 3] {
     [(2.0 * x - 1.0) * (x - 1.0), 4.0 * x * (1.0 - x), x * (2.0 * x - 1.0)]
 }
@@ -310,7 +310,7 @@ fn corners(x: f64, y: f64) -> [f64; 4] {
     [(1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y]
 }
 
-/// First of four neighbouring nodes about `at`, of `count` nodes 0, 1, ..., and Lagrange's cubic weights on them.
+/// First of four neighbouring nodes about `at`, of `count` nodes 0, 1, ..., and Lagrange cubic weights on them.
 fn stencil(at: f64, count: usize) -> (usize, [f64; 4]) {
     // NaN becomes node 0, and the weights stay NaN.
     #[expect(clippy::cast_possible_truncation, reason = "`as` takes what is beyond all nodes to an end")]

@@ -223,7 +223,7 @@ fn temperature_k(table: &[(f64, f64)], radiance: f64) -> f64 {
     let from =
         table.partition_point(|(ln_radiance, _)| *ln_radiance < x).saturating_sub(2).min(table.len().saturating_sub(4));
     let points = &table[from..(from + 4).min(table.len())];
-    // Lagrange's polynomials.
+    // Lagrange polynomials.
     let term = |(i, (xi, y)): (usize, &(f64, f64))| {
         let others = points.iter().enumerate().filter(|(j, _)| *j != i);
         y * others.map(|(_, (xj, _))| (x - xj) / (xi - xj)).product::<f64>()

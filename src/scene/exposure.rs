@@ -73,7 +73,7 @@ fn check_camera(camera: &FrameCamera, problem: &mut impl FnMut(&str, String)) {
         );
     }
     if !camera.is_within_lens() {
-        problem("sensor", "its lens was made for an image that this one is no part of".into());
+        problem("sensor", "its lens was made for an image that this one is not part of".into());
     }
     let size_px = f64::from(camera.samples.max(camera.lines));
     if let Some(at) = camera.boresight_px.into_iter().find(|at| at.is_nan() || at.abs() > FARTHEST * size_px) {

@@ -25,7 +25,7 @@ pub struct Models {
     pub conduction: Option<u32>,
     /// How facets light and warm each other; `None`: they do not.
     pub exchange: Option<Exchange>,
-    /// No part of a facet is colder, K, whatever it receives: heat from below, or from its sides. 0 is no floor.
+    /// No part of a facet is colder, K, whatever it receives: heat from below, or from its sides. 0 is not a floor.
     pub floor_k: f64,
     /// How many bodies of the sky besides Mars light and warm the surface, those that fill the most sky first. Others are there to be seen.
     pub bodies: u32,

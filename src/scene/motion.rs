@@ -1,4 +1,4 @@
-//! A scene over time: where the spacecraft, the Sun, Mars and other bodies are at a moment, seen from the turning body.
+//! A scene over time: positions of the spacecraft, the Sun, Mars and other bodies, as seen from the rotating body.
 
 use std::sync::Arc;
 
@@ -9,31 +9,31 @@ use crate::error::{Error, Location, Result};
 use crate::flight::{Almanac, Circumstances, Correction, Epoch, Pointing, Up};
 use crate::geometry::{Direction, Pose};
 
-/// Half the time between two positions from which a velocity over the ground follows, s: Phobos turns 0.013 deg.
+/// Half step of the central difference for the ground velocity, s: Phobos turns 0.013 deg.
 const BESIDE_S: f64 = 0.5;
 
-/// How a spacecraft flies about a body, and where its camera looks.
+/// The motion of a spacecraft about a body, and where its camera looks.
 #[derive(Debug, Clone)]
 pub struct Motion {
-    /// Where everything is, and how it is turned.
+    /// All trajectories and orientations.
     pub almanac: Arc<Almanac>,
-    /// The body that is looked at.
+    /// The target body.
     pub body: String,
-    /// Its own frame, in which the surface does not move.
+    /// Its body-fixed frame, in which the surface does not move.
     pub frame: String,
     /// Origin of local coordinates in that frame, m.
     pub origin_m: DVec3,
-    /// What carries the camera.
+    /// The spacecraft.
     pub spacecraft: String,
-    /// Where the camera looks.
+    /// The pointing law.
     pub pointing: Pointing,
-    /// What light does on its way from Sun and bodies to the surface.
+    /// Light-time correction for Sun and bodies as seen from the surface.
     pub correction: Correction,
-    /// When the first exposure begins; scans and jitter count from here.
+    /// Start of the first exposure; scans and jitter count from here.
     pub start: Epoch,
 }
 
-/// Errors of a law that can be a sentence.
+/// Conversion of a law's errors, which may be sentences.
 struct Refused(Error);
 
 impl From<String> for Refused {
@@ -43,7 +43,7 @@ impl From<String> for Refused {
 }
 
 impl Motion {
-    /// The spacecraft, from the body's centre along its axes, m.
+    /// Position of the spacecraft, from the body's centre in body axes, m.
     ///
     /// # Errors
     /// [`Error::Invalid`] that says what is not known, and when it would be.
@@ -51,7 +51,7 @@ impl Motion {
         self.almanac.position_by_files_m(&self.spacecraft, &self.body, &self.frame, epoch)
     }
 
-    /// A body of the sky as the surface sees it, from the body's centre along its axes, m.
+    /// Position of a body of the sky as seen from the surface, from the body's centre in body axes, m.
     ///
     /// # Errors
     /// As [`position_m`](Motion::position_m).
@@ -59,7 +59,8 @@ impl Motion {
         Ok(self.almanac.apparent(target, &self.body, &self.frame, epoch, self.correction)?.0)
     }
 
-    /// The velocity of the spacecraft over the turning body, m/s; to one side where the other is not known.
+    /// Ground velocity of the spacecraft over the turning body, m/s: central difference; one-sided at the ends of the
+    /// data.
     ///
     /// # Errors
     /// As [`position_m`](Motion::position_m).
@@ -72,10 +73,10 @@ impl Motion {
         }
     }
 
-    /// Where the sensor is and how it stands at a moment, local.
+    /// The sensor's pose at an epoch, local.
     ///
     /// # Errors
-    /// As [`position_m`](Motion::position_m); or that the law of pointing has no answer.
+    /// As [`position_m`](Motion::position_m); or that the pointing law is undefined.
     pub fn pose(&self, epoch: Epoch) -> Result<Pose> {
         let position_m = self.position_m(epoch)?;
         let needs_velocity = self.pointing.up == Up::Backward;
@@ -93,7 +94,8 @@ impl Motion {
         Ok(Pose { rotation, translation_m: position_m - self.origin_m })
     }
 
-    /// A sky at a moment: where it has a Sun, a Mars and bodies that the almanac knows when it starts, they are moved, and so is its past; the rest stays.
+    /// The sky at an epoch: its Sun, Mars and bodies are moved where the almanac covers them, and its past with them;
+    /// the rest is unchanged.
     ///
     /// # Errors
     /// As [`position_m`](Motion::position_m).
@@ -121,7 +123,7 @@ impl Motion {
         self.almanac.state(name, &self.body, &self.frame, epoch).is_ok()
     }
 
-    /// An exposure of a scene at another moment.
+    /// A scene's exposure at another epoch.
     ///
     /// # Errors
     /// As [`position_m`](Motion::position_m), and as [`Scene::new`].

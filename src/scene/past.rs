@@ -1,4 +1,4 @@
-//! What lit and warmed the surface before a moment: the day that ends there, as flight dynamics knows it.
+//! Illumination history: the solar day that ends at the scene's epoch, by flight dynamics.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -10,14 +10,14 @@ use crate::error::Result;
 use crate::flight::{Epoch, J2000};
 use crate::geometry::Direction;
 
-/// Time in which a body turns by little, s: Phobos by 0.013 deg.
+/// Half step for rotation rates, s: Phobos turns 0.013 deg.
 const TURNED_S: f64 = 1.0;
-/// Steps towards the length of a day, each of which gains a digit or more.
+/// Iterations for the length of a day, each of which gains a digit or more.
 const STEPS: usize = 16;
-/// What products of rotations are off by.
+/// Rounding of products of rotations.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Where the Sun and bodies of the sky were before a moment.
+/// Positions of the Sun and bodies before an epoch.
 #[derive(Debug, Clone)]
 pub struct Past {
     motion: Arc<Motion>,
@@ -25,7 +25,7 @@ pub struct Past {
 }
 
 impl PartialEq for Past {
-    /// Whether both look back from one moment on one almanac.
+    /// Whether both have the same epoch and almanac.
     fn eq(&self, other: &Self) -> bool {
         let (a, b) = (&self.motion, &other.motion);
         self.now == other.now
@@ -40,7 +40,7 @@ impl Past {
         Past { motion: Arc::new(motion.clone()), now }
     }
 
-    /// A sky as it was some time ago.
+    /// A sky at a time ago, s.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) that says what is not known, and when it would be: nothing is extrapolated.
@@ -50,10 +50,10 @@ impl Past {
 }
 
 impl Motion {
-    /// How the body turns under the Sun: about its axis now, and for how long it has been since the Sun was over the same meridian. `None` of a body that
-    /// does not turn.
+    /// The body's rotation relative to the Sun: its axis now, and the time since the Sun was last over the same
+    /// meridian. `None` for a body that does not rotate.
     ///
-    /// A body whose rotation swings, as that of Phobos does by 1.1 deg in each of its days, is looked at twice, a day apart.
+    /// A body that librates (Phobos by 1.1 deg each day) is evaluated twice, a day apart.
     ///
     /// # Errors
     /// As [`position_m`](Motion::position_m), if a day ago is not known.

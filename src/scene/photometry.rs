@@ -188,7 +188,7 @@ pub fn out_of_parameters(name: &str, v: f64) -> Option<String> {
         "g" => (-1.0, 1.0),
         _ => return None,
     };
-    // A peak without width, or a scattering into one direction only, is no function.
+    // A peak without width, or a scattering into one direction only, is not a function.
     let open = matches!(name, "h2" | "g");
     let is_right = (low..=high).contains(&v) && !(open && (v == low || v == high));
     let range = match (low.is_infinite(), high.is_infinite()) {

@@ -141,7 +141,8 @@ impl Sky {
         if let Some(Rotation { period_s, .. }) = self.rotation
             && !DAYS_S.contains(&period_s)
         {
-            let message = format!("{period_s} s is no length of a day: {:e} to {:e} s", DAYS_S.start(), DAYS_S.end());
+            let message =
+                format!("{period_s} s is not a length of a day: {:e} to {:e} s", DAYS_S.start(), DAYS_S.end());
             problem("thermal.period_s", message);
         }
         for (i, beam) in self.beams.iter().enumerate() {

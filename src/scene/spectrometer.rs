@@ -1,18 +1,19 @@
-//! What the spectrometer of a push-broom does that an ideal one does not: smile and keystone.
+//! Smile and keystone of a push-broom spectrometer.
 
 use crate::error::{Location, Problem};
 use crate::spectral::{Band, Response};
 
-/// A shift of the image by more than this many pixels is taken as a mistake.
+/// Largest keystone, pixels; more is taken as a mistake.
 const MOST_PX: f64 = 16.0;
 
-/// Polynomials of a place from -1 to 1, lowest order first; without coefficients nothing is shifted.
+/// Polynomials of a coordinate from -1 to 1, lowest order first; empty: no shift.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Spectrometer {
-    /// Smile: by how much the centres of all bands are larger at a sample, um. The place is the sample's centre, from -1 at the first one's outer border to 1 at the last
-    /// one's.
+    /// Smile: shift of all band centres at a sample, um. The coordinate is the sample's centre, from -1 at the first
+    /// one's outer border to 1 at the last one's.
     pub smile_um: Vec<f64>,
-    /// Keystone: how many pixels farther on along the slit a band looks. The place is the band's centre, from -1 at the shortest one to 1 at the longest; 0 of a single one.
+    /// Keystone: shift of a band along the slit, pixels. The coordinate is the band's centre, from -1 at the shortest
+    /// one to 1 at the longest; 0 for a single one.
     pub keystone_px: Vec<f64>,
 }
 
@@ -42,7 +43,7 @@ impl Spectrometer {
         bands.iter().map(|band| polynomial(&self.keystone_px, at(band.centre_um))).collect()
     }
 
-    /// Keystone from the least to the most, pixels, in steps of at most one: what images that are shifted so see, all bands see.
+    /// Range of keystone, pixels, in steps of at most one: an image shifted by each covers what all bands see.
     pub fn steps_px(&self, bands: &[Band]) -> Vec<f64> {
         let all = self.keystones_px(bands);
         let (low, high) =
@@ -51,7 +52,7 @@ impl Spectrometer {
         (0..=steps).map(|i| if i == 0 { low } else { low + (high - low) * f64::from(i) / f64::from(steps) }).collect()
     }
 
-    /// What is wrong with it, for an image of these samples and bands.
+    /// Problems with it, for an image of these samples and bands.
     pub(super) fn problems(&self, samples: u32, bands: &[Band]) -> Vec<Problem> {
         let mut problems = Vec::new();
         let mut problem = |item: &str, message: String| problems.push(Problem::new(Location::item(item), message));

@@ -8,7 +8,7 @@ use crate::spectral::{Extend, Spectrum, between};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tabulated {
     tables: Vec<Table>,
-    /// Hemispherical reflectance of each table, at its wavelength; of a single one it holds at all.
+    /// Hemispherical reflectance of each table, at its wavelength; for a single one it holds at all.
     albedo: Spectrum,
     /// By which the tables are multiplied.
     factor: Spectrum,

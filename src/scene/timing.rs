@@ -1,4 +1,4 @@
-//! What a sensor takes at once, and what it takes one after the other.
+//! Readout timing: what a sensor takes at once, and what one after another.
 
 use std::ops::Range;
 
@@ -20,25 +20,26 @@ pub enum Readout {
 }
 
 impl Readout {
-    /// Whether lines of the image are of different moments.
+    /// Whether lines of the image differ in time.
     pub fn is_along_the_way(self) -> bool {
         matches!(self, Readout::Line | Readout::Sample(_))
     }
 }
 
-/// A scene may state no more poses of an exposure.
+/// Most poses of an exposure that a scene may state.
 const MOST_POSES: f64 = 1000.0;
 
-/// When a sensor takes what.
+/// Readout timing of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Timing {
     /// What it takes at once.
     pub readout: Readout,
-    /// From the beginning of one to that of the next, s; of a whisk-broom from sweep to sweep.
+    /// Period from one exposure to the next, s; for a whisk-broom from sweep to sweep.
     pub period_s: f64,
-    /// For how long light is gathered, s.
+    /// Exposure time, s.
     pub exposure_s: f64,
-    /// Poses of the camera that stand for its motion meanwhile, at even steps: 1 is the middle alone. 0, which counts as 1, leaves it to a plan.
+    /// Camera poses that sample its motion during the exposure, at even steps: 1 is the middle alone. 0, which counts as
+    /// 1, leaves the number to a plan.
     pub poses: u32,
 }
 
@@ -53,19 +54,19 @@ pub struct Take {
     pub lines: Range<usize>,
     /// Its bands in the cube.
     pub bands: Range<usize>,
-    /// The mirror's angle in the middle of its exposure, rad, and how fast it turns, rad/s.
+    /// Scan angle in the middle of its exposure, rad, and its rate, rad/s.
     pub mirror: Option<(f64, f64)>,
-    /// Whether it is a line of a push-broom, even of one that takes a single line.
+    /// Whether it is a line of a push-broom, even if there is only one.
     pub is_slit: bool,
 }
 
 impl Timing {
-    /// Whether an image is more than one look from one place.
+    /// Whether an image has more than one exposure.
     pub fn is_in_parts(&self) -> bool {
         self.readout != Readout::Frame || self.poses > 1
     }
 
-    /// How many parts there are.
+    /// Number of parts.
     pub fn count(&self, exposure: &Exposure) -> usize {
         match self.readout {
             Readout::Frame => 1,
@@ -77,7 +78,7 @@ impl Timing {
         }
     }
 
-    /// The parts of a cube, in the order of time.
+    /// The parts of a cube, in order of time.
     pub fn takes(&self, exposure: &Exposure) -> impl Iterator<Item = Take> + use<> {
         let (timing, all_lines, all_bands) = (*self, 0..exposure.camera.lines as usize, 0..exposure.bands.len());
         let all_samples = 0..exposure.camera.samples as usize;
@@ -101,7 +102,7 @@ impl Timing {
         })
     }
 
-    /// The exposure that the account of an image, and what is relative to one, refer to: the middle one.
+    /// The reference exposure, to which an image's account refers: the middle one.
     pub fn reference(&self, exposure: &Exposure) -> usize {
         self.count(exposure) / 2
     }
@@ -114,39 +115,39 @@ impl Timing {
         sweep as f64 * self.period_s + of.since_s(sample as f64 + 0.5) + 0.5 * self.exposure_s
     }
 
-    /// Moments of a part's poses, s after the start: the middles of even shares of its exposure.
+    /// Times of a part's poses, s after the start: the middles of equal shares of its exposure.
     pub fn poses_s(&self, take: &Take) -> impl Iterator<Item = f64> + use<> {
         let (count, middle_s, exposure_s) = (self.poses.max(1), take.middle_s, self.exposure_s);
         (0..count).map(move |k| middle_s + exposure_s * ((f64::from(k) + 0.5) / f64::from(count) - 0.5))
     }
 
-    /// What a pixel may be off by, over the brightest of what moves through it, if that moves so many pixels during an exposure: at a straight edge, which enters or
-    /// leaves the pixel between two poses, d / (8 n^2); with one pose, all of d.
+    /// Smear error bound, relative to the brightest radiance, for a motion of `d` pixels during the exposure: d / (8
+    /// n^2) at a straight edge with n poses, d with one.
     pub fn smear_error(&self, moved_px: f64) -> f64 {
         let poses = f64::from(self.poses.max(1));
         if poses > 1.0 { moved_px / (8.0 * poses * poses) } else { moved_px }.min(1.0)
     }
 
-    /// How many poses keep that within a tolerance; no more than a scene may state.
+    /// Number of poses that keeps this error within a tolerance; no more than a scene may state.
     pub fn poses_for(moved_px: f64, tolerance: f64) -> f64 {
         (moved_px / (8.0 * tolerance)).sqrt().ceil().clamp(2.0, MOST_POSES)
     }
 
-    /// From the start of the first exposure to the end of the last, s.
+    /// Duration from the start of the first exposure to the end of the last, s.
     pub fn duration_s(&self, exposure: &Exposure) -> f64 {
         self.middle_s(self.count(exposure).saturating_sub(1)) + 0.5 * self.exposure_s
     }
 }
 
 impl Take {
-    /// The pose of what looks out, of the sensor's at a moment, s after the start.
+    /// The optical pose, from the sensor's pose at a time, s after the start.
     pub fn pose(&self, sensor: Pose, s: f64) -> Pose {
         let Some((middle_rad, rad_s)) = self.mirror else { return sensor };
         Mirror::turned(sensor, middle_rad + rad_s * (s - self.middle_s))
     }
 
-    /// What is exposed: of a frame camera or filter all lines; of a push-broom its slit, which lies where the frame's boresight does; of a whisk-broom its column,
-    /// whose middle does.
+    /// The lines and samples that one exposure takes: all for a frame camera or filter; the slit, at the boresight, for
+    /// a push-broom; its column, centred on the boresight, for a whisk-broom.
     pub fn exposure(&self, all: &Exposure) -> Exposure {
         let mut exposure = Exposure { bands: all.bands[self.bands.clone()].to_vec(), ..all.clone() };
         if self.mirror.is_some() {

@@ -1,4 +1,4 @@
-//! What a camera sees of a scene that moves: each part of the cube at its own moment.
+//! Acquisition of a moving scene: each part of the cube at its own epoch.
 
 use super::block::Ground;
 use super::cost::has_room;
@@ -136,7 +136,7 @@ pub fn acquire_by_table(
     let groups = moving.groups();
     let solved = Solved::given(moving, groups.as_ref(), table);
     let mut observation = acquire((moving, solved), (table, None), (extremes, tolerance), wanted, put, watch)?;
-    let message = "the facet table is of one moment: light stands still while the image is taken";
+    let message = "the facet table is of one epoch: illumination is held fixed while the camera moves";
     observation.warnings.push(message.to_owned());
     Ok(observation)
 }
@@ -172,7 +172,7 @@ pub fn acquire_by_maps(
     let of = (&extremes, tolerance);
     let mut observation = acquire((moving, solved), (table, Some(&mut maps)), of, wanted, put, watch)?;
     let account = maps.account_to(scene, &mut observation)?;
-    let message = "maps of radiance are of one moment: light stands still while the image is taken";
+    let message = "radiance maps are of one epoch: illumination is held fixed while the camera moves";
     observation.warnings.push(message.to_owned());
     Ok((observation, account))
 }
@@ -190,8 +190,10 @@ fn acquire(
     let by_line = timing.readout.is_along_the_way();
     let of_band = |band: &&usize| timing.readout == Readout::Band && **band < scene.exposure.bands.len();
     if let Some(other) = wanted.planes_of.iter().find(|band| !of_band(band)) {
-        let message =
-            format!("band {} has no exposure of its own: each band of a tunable filter has", other.saturating_add(1));
+        let message = format!(
+            "band {} has no exposure of its own, unlike each band of a tunable filter",
+            other.saturating_add(1)
+        );
         return Err(Error::Invalid(vec![Problem::new(Location::item("--planes-of"), message)]));
     }
     serves(moving.optics, &scene.exposure)?;

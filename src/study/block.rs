@@ -1,4 +1,4 @@
-//! Blocks: exposures that follow one another and look at the same part of a body, which is then all that is asked about.
+//! Blocks: consecutive exposures that see the same part of a body, which is then all that is computed.
 
 use std::rc::Rc;
 
@@ -13,10 +13,10 @@ use crate::visibility::FacetGroups;
 /// Planes of lines, and which facets their pixels see, if that is wanted.
 pub(super) type Ground = (Backplanes, Option<Footprints>);
 
-/// Lines of a push-broom that look at one part of the body, at most.
+/// Most push-broom lines in a block.
 pub(super) const BLOCK: usize = 16;
 
-/// Some exposures, and the part of the body that they may see.
+/// Some exposures, and the part of the body they may see.
 pub(super) struct Block {
     pub(super) body: Body,
     /// Its facets' numbers in the body, ascending, and the groups that they are; `None`: it is all of the body.
@@ -70,7 +70,7 @@ impl Moving<'_> {
         self.timing.readout.is_along_the_way().then(|| FacetGroups::new(&self.scene.body.mesh))
     }
 
-    /// Some exposures, with the part of the body that they may see, if groups of its facets tell.
+    /// Some exposures, with the part of the body they may see, if groups of its facets tell.
     pub(super) fn block(&self, takes: &[Take], groups: Option<&FacetGroups>) -> Result<Block> {
         let Some(groups) = groups else { return Ok(self.in_view(None)) };
         let mut seen = vec![false; groups.count()];
@@ -96,7 +96,7 @@ impl Moving<'_> {
         Ok(self.in_view(Some((groups, seen))))
     }
 
-    /// The part of the body that is in some groups of its facets, if that is worth while.
+    /// The part of the body in some groups of its facets, if smaller enough.
     pub(super) fn in_view(&self, groups: Option<(&FacetGroups, Vec<bool>)>) -> Block {
         let all = Block { body: self.scene.body.clone(), part: None, tables: vec![] };
         let Some((groups, seen)) = groups else { return all };

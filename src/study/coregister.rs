@@ -1,28 +1,30 @@
-//! Can two images of a moving scene be laid on each other? A plain matcher, and how far it is off what is known to be true.
+//! Co-registration of two images of a moving scene by a plain matcher, and its errors against the truth.
 //!
-//! A window of one image is looked for in another by the normalised correlation at all shifts of whole pixels, and from the best one on by least squares of the two windows,
-//! each less its mean and over its length, with cubic interpolation (Catmull & Rom 1974): Gauss and Newton's steps, so that brightness and contrast may differ.
+//! A window of one image is sought in another by normalised cross-correlation at all integer shifts, then refined by
+//! least squares of the two windows (zero mean, unit norm) with cubic interpolation (Catmull & Rom 1974): Gauss-Newton
+//! steps, so that brightness and contrast may differ.
 
 use rayon::prelude::*;
 
 use crate::geometry::whole;
 
-/// A window whose values scatter by less than this, relative to their mean, is flat.
+/// Least contrast: a window with less relative scatter is flat.
 const LEAST_CONTRAST: f64 = 1e-3;
-/// Windows that correlate by less do not show the same.
+/// Least correlation of a match.
 const LEAST_CORRELATION: f64 = 0.6;
-/// A second best shift, away from the best one, must correlate by less than this share of the best.
+/// Ambiguity: the second-best peak, away from the best one, must correlate by less than this fraction of it.
 const RIVAL: f64 = 0.95;
-/// A texture that is known worse along one direction than along the other by this ratio (of variances of gradients) is a stripe.
+/// Aperture problem: smallest ratio of the gradient variances along the two principal directions; below it the texture
+/// is a stripe.
 const STRIPE: f64 = 1e-3;
-/// Pixels beside a window that interpolation asks for.
+/// Margin for interpolation, pixels.
 const BESIDE: usize = 2;
-/// Gauss and Newton's steps, at most; they end below [`ENOUGH_PX`], and leave a match that goes further than [`AWAY_PX`] from where it began.
+/// Most Gauss-Newton steps; they end below [`ENOUGH_PX`], and reject a match farther than [`AWAY_PX`] from its start.
 const STEPS: usize = 30;
 const ENOUGH_PX: f64 = 1e-4;
 const AWAY_PX: f64 = 1.0;
 
-/// One band of an image; NaN is no value.
+/// One band of an image; NaN is not a value.
 #[derive(Debug, Clone, Copy)]
 pub struct Image<'a> {
     /// Line by line.
@@ -33,68 +35,68 @@ pub struct Image<'a> {
     pub lines: usize,
 }
 
-/// How windows are matched.
+/// Matching options.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Windows {
-    /// Pixels on either side of a window's middle one.
+    /// Half width of a window, pixels.
     pub half: usize,
-    /// Whole pixels that are searched in every direction from where nothing moves.
+    /// Search radius around zero shift, pixels.
     pub search: usize,
-    /// From the middle of one window to that of the next, pixels.
+    /// Spacing of windows, pixels.
     pub step: usize,
 }
 
 impl Default for Windows {
-    /// 15 x 15 pixels, each by itself; 6 pixels around.
+    /// Windows of 15 x 15 pixels, side by side; search radius 6 pixels.
     fn default() -> Self {
         Windows { half: 7, search: 6, step: 15 }
     }
 }
 
-/// A window that was found.
+/// A match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Match {
-    /// By how many samples and lines it is elsewhere, pixels.
+    /// Shift, samples and lines.
     pub moved_px: [f64; 2],
-    /// How well it correlates there.
+    /// Correlation.
     pub correlation: f64,
 }
 
-/// A window, and what is true of it.
+/// A window with its match and its true shift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tried {
     /// Sample and line of its middle pixel in the first image, from 0.
     pub pixel: [usize; 2],
-    /// What the matcher says; `None`: it says that it does not know.
+    /// The match; `None`: rejected by the matcher.
     pub found: Option<Match>,
-    /// By how many samples and lines what is there is elsewhere, pixels; `None`: not known, or outside.
+    /// True shift, samples and lines; `None`: unknown, or outside.
     pub truth_px: Option<[f64; 2]>,
 }
 
 impl Tried {
-    /// How far off the matcher is, pixels.
+    /// Error of the match, pixels.
     pub fn error_px(&self) -> Option<f64> {
         let ([x, y], [u, v]) = (self.found?.moved_px, self.truth_px?);
         Some((x - u).hypot(y - v))
     }
 }
 
-/// How good a matcher is.
+/// Quality of a matcher.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Quality {
-    /// Windows of which the truth is known.
+    /// Windows with a known true shift.
     pub windows: usize,
-    /// Those that it says it has found.
+    /// Those matched.
     pub matched: usize,
     /// Median of their errors, pixels; NaN (null) if there is none.
     pub median_px: f64,
-    /// 95 of 100 are off by less, pixels.
+    /// 95th percentile, pixels.
     pub p95_px: f64,
-    /// Share of those found that are off by at most half a pixel.
+    /// Fraction of matches within half a pixel.
     pub within_half: f64,
 }
 
-/// A window's values less their mean, over their length; `None` if it is flat, or not all known.
+/// A window with zero mean and unit norm; `None` if it is flat, or has unknown values.
 struct Normal {
     values: Vec<f64>,
     length: f64,
@@ -129,7 +131,7 @@ impl Image<'_> {
         }
     }
 
-    /// Values around a pixel, in the places of a window that is moved by parts of a pixel; and by how much they grow from sample to sample and line to line.
+    /// Interpolated window values at a subpixel shift, and their gradients along samples and lines.
     fn window(&self, [sample, line]: [usize; 2], half: usize, moved_px: [f64; 2]) -> [Vec<f64>; 3] {
         let floor = moved_px.map(f64::floor);
         let [fx, fy] = [0, 1].map(|k| moved_px[k] - floor[k]);
@@ -166,7 +168,7 @@ impl Image<'_> {
     }
 }
 
-/// Weights of four neighbours, and how they change, at a share of the way between the two in the middle: Catmull and Rom's.
+/// Catmull-Rom weights of four neighbours, and their derivatives, at a fraction between the middle two.
 fn cubic(t: f64) -> [(f64, f64); 4] {
     let weights = [
         -0.5 * t * (1.0 - t) * (1.0 - t),
@@ -179,8 +181,8 @@ fn cubic(t: f64) -> [(f64, f64); 4] {
     std::array::from_fn(|k| (weights[k], slopes[k]))
 }
 
-/// Looks for the window around a pixel of one image in another; `None` where it is flat or a stripe, reaches out of what is known, is not found in what is searched, or in several
-/// places.
+/// Matches the window around a pixel of one image in another; `None` if it is flat or a stripe, reaches unknown pixels,
+/// or is found nowhere or in several places.
 pub fn matched(of: Image<'_>, within: Image<'_>, pixel: [usize; 2], windows: Windows) -> Option<Match> {
     let middle = pixel.map(|i| i as isize);
     let wanted = Normal::new(of.pixels(middle, windows.half))?;
@@ -205,14 +207,14 @@ pub fn matched(of: Image<'_>, within: Image<'_>, pixel: [usize; 2], windows: Win
     refined(&wanted, within, pixel, windows.half, [i, j].map(|i| i as f64 - windows.search as f64))
 }
 
-/// From a shift of whole pixels on.
+/// Refines an integer shift.
 fn refined(wanted: &Normal, within: Image<'_>, pixel: [usize; 2], half: usize, start: [f64; 2]) -> Option<Match> {
     let mut moved = start;
     for _ in 0..STEPS {
         let [values, along, down] = within.window(pixel, half, moved);
         let there = Normal::new(values)?;
         let correlation = wanted.dot(&there.values);
-        // What changes when the window moves: without what changes mean and length alone.
+        // Derivatives of the normalised window: without the parts that change mean and norm.
         let changes = [along, down].map(|slopes| {
             let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
             let mut change: Vec<f64> = slopes.iter().map(|slope| (slope - mean) / there.length).collect();
@@ -242,7 +244,7 @@ fn refined(wanted: &Normal, within: Image<'_>, pixel: [usize; 2], half: usize, s
     None
 }
 
-/// What lies at a place of a plane, between four pixels' middles; `None` outside and where one is not known.
+/// Bilinear value at a place of a plane; `None` outside or next to unknown values.
 fn between(plane: Image<'_>, [x, y]: [f64; 2]) -> Option<f64> {
     let floor = [x, y].map(f64::floor);
     let is_inside = floor.iter().all(|at| *at >= 0.0);
@@ -262,7 +264,7 @@ fn between(plane: Image<'_>, [x, y]: [f64; 2]) -> Option<f64> {
     sum.is_finite().then_some(sum)
 }
 
-/// True displacements of two images, samples and lines, from the reference image that both are known from.
+/// True displacements of two images relative to the reference image, samples and lines.
 #[derive(Debug, Clone, Copy)]
 pub struct Truth<'a> {
     /// Of the first image.
@@ -272,7 +274,8 @@ pub struct Truth<'a> {
 }
 
 impl Truth<'_> {
-    /// How far what is at a pixel's middle in the first image is elsewhere in the second: where it is in the reference image is found by going back and forth.
+    /// True shift from a pixel's middle in the first image to the second: its place in the reference image is found by
+    /// iteration.
     fn at(&self, pixel: [usize; 2]) -> Option<[f64; 2]> {
         let pixel = pixel.map(|i| i as f64);
         let moved = |by: [Image<'_>; 2], at: [f64; 2]| Some([between(by[0], at)?, between(by[1], at)?]);
@@ -286,7 +289,7 @@ impl Truth<'_> {
     }
 }
 
-/// Tries windows all over an image, wherever all that is searched lies in it.
+/// Matches windows all over an image, wherever the search area fits.
 pub fn tried(of: Image<'_>, within: Image<'_>, truth: Truth<'_>, windows: Windows) -> Vec<Tried> {
     let reach = windows.half.saturating_add(windows.search).saturating_add(BESIDE);
     let middles = |n: usize| (reach..n.saturating_sub(reach)).step_by(windows.step.max(1));
@@ -297,7 +300,7 @@ pub fn tried(of: Image<'_>, within: Image<'_>, truth: Truth<'_>, windows: Window
     pixels.into_par_iter().map(tried).collect()
 }
 
-/// How good the matcher is where the truth is known.
+/// Quality where the truth is known.
 pub fn quality(tried: &[Tried]) -> Quality {
     let mut errors: Vec<f64> = tried.iter().filter_map(Tried::error_px).collect();
     errors.sort_unstable_by(f64::total_cmp);
@@ -396,7 +399,7 @@ mod tests {
         );
     }
 
-    /// Of an image that is no reference: what is at 10 there is at 12 in the reference, where the other is off by 2 + 12 / 10 more.
+    /// Of an image that is not a reference: what is at 10 there is at 12 in the reference, where the other is off by 2 + 12 / 10 more.
     #[test]
     fn the_truth_between_two_images_goes_by_the_reference() {
         let [back, on, nothing] = [

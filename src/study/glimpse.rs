@@ -1,4 +1,4 @@
-//! What a few rays of the camera meet: a glimpse of an image before it is made.
+//! A coarse preview: what a few rays of the camera hit, before the image is made.
 
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,8 +1,9 @@
-//! Where on the ground a pixel looks, and in which pixel a point of the ground lies: of any sensor, at the moment of each.
+//! Geolocation: the ground point of a pixel, and the pixel of a ground point, for any sensor, at the epoch of each.
 //!
-//! Image coordinates are continuous, pixels from the outer corner of the first pixel. Of a push-broom the line is time: line coordinate l is the moment `start` +
-//! `exposure_s` / 2 + (l - 1/2) `period_s`, and the ray goes through the middle of the slit. Of a whisk-broom the sample is time and the mirror's angle, and the line, less those of the
-//! sweeps before, is along the column.
+//! Image coordinates are continuous, pixels from the outer corner of the first pixel. For a push-broom the line is
+//! time: line coordinate l is the epoch `start` + `exposure_s` / 2 + (l - 1/2) `period_s`, and the ray goes through the
+//! middle of the slit. For a whisk-broom the sample is time and scan angle, and the line, less those of earlier sweeps,
+//! is along the column.
 
 use std::sync::OnceLock;
 
@@ -14,20 +15,24 @@ use crate::geometry::{FrameCamera, Pose, angle_rad, whole};
 use crate::scene::{Body, Mirror, Motion, Readout, Scene, Timing};
 use crate::visibility::RayTree;
 
-/// Moments at which it is asked on which side of a push-broom's slit a point is, at least.
+/// Least number of epochs at which the side of the slit is tested.
 const LOOKS: usize = 64;
-/// Turns of a mirror after a point, at most.
+/// Most iterations for the mirror angle of a point.
 const TURNS: usize = 50;
-/// Halvings of the time between two of them: to the digits of a number.
+/// Most bisections between two epochs: to machine precision.
 const HALVINGS: usize = 80;
+/// Smallest difference in distance, relative, by which one surface hides another: the rest is rounding.
+const BEHIND: f64 = 1e-9;
+/// Convergence of the mirror angle, samples.
+const ON_POINT: f64 = 1e-10;
 
-/// A scene, its sensor and its surface, to be asked.
+/// A scene, its sensor and its surface, ready for queries.
 #[derive(Debug)]
 pub struct Locator<'a> {
     pub(super) scene: &'a Scene,
     pub(super) motion: Option<(&'a Motion, Timing)>,
     pub(super) tree: RayTree,
-    /// The camera in the middle of each exposure, found when it is first asked for: many places are of the same moment.
+    /// The camera in the middle of each exposure, cached: many places share an exposure.
     middles: Vec<OnceLock<Now>>,
 }
 
@@ -40,7 +45,7 @@ pub struct Place {
     pub line: f64,
 }
 
-/// Where a ray through a place of an image meets the surface.
+/// The ground point of an image place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ground {
     /// From the body's centre along its axes, m.
@@ -53,7 +58,7 @@ pub struct Ground {
     pub range_m: f64,
     /// Angle between the facet's normal and the ray back to the camera, rad.
     pub local_emission_rad: f64,
-    /// When: the middle of the exposure; `None` of a scene without time.
+    /// Epoch: the middle of the exposure; `None` for a static scene.
     pub epoch: Option<Epoch>,
 }
 
@@ -65,7 +70,7 @@ impl Ground {
     }
 }
 
-/// Where a point of the ground lies in an image.
+/// The image place of a ground point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
     /// Where.
@@ -76,23 +81,24 @@ pub struct Seen {
     pub hidden_by: Option<u32>,
     /// From the camera, m.
     pub range_m: f64,
-    /// When; `None` of a scene without time.
+    /// Epoch; `None` for a static scene.
     pub epoch: Option<Epoch>,
 }
 
-/// The outermost facet at a planetocentric latitude and longitude east, deg, and where it is there: from the body's centre along its axes, m.
+/// The outermost facet at a planetocentric latitude and east longitude, deg, and the point there, from the body's
+/// centre in body axes, m.
 pub fn outermost_at(tree: &RayTree, body: &Body, [latitude_deg, longitude_deg]: [f64; 2]) -> Option<(u32, DVec3)> {
     let (low_m, high_m) = body.bounds_m()?;
     let [latitude, longitude] = [latitude_deg, longitude_deg].map(f64::to_radians);
     let up = DVec3::new(latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin());
-    // From outside all of it towards the centre, and no farther.
+    // A ray from outside the body towards the centre, no farther.
     let reach_m = (low_m + body.origin_m).abs().max((high_m + body.origin_m).abs()).length();
     let from_m = up * (2.0 * reach_m);
     let hit = tree.nearest(from_m - body.origin_m, -up).filter(|hit| hit.t <= 2.0 * reach_m)?;
     Some((hit.facet, from_m - up * hit.t))
 }
 
-/// A camera at a moment.
+/// A camera at an epoch.
 #[derive(Debug, Clone)]
 pub(super) struct Now {
     pub(super) camera: FrameCamera,
@@ -100,7 +106,7 @@ pub(super) struct Now {
 }
 
 impl<'a> Locator<'a> {
-    /// Of a scene, and how it moves, if it does.
+    /// For a scene, and its motion, if any.
     pub fn new(scene: &'a Scene, motion: Option<(&'a Motion, Timing)>) -> Self {
         let exposures = motion.map_or(1, |(_, timing)| match timing.readout {
             Readout::Sample(_) => 0,
@@ -110,7 +116,7 @@ impl<'a> Locator<'a> {
         Locator { scene, motion, tree: RayTree::new(&scene.body.mesh), middles }
     }
 
-    /// The band, counted from 0, whose geometry stands for the image's: of a filter the middle one.
+    /// The reference band, counted from 0: the middle one for a filter.
     pub fn reference_band(&self) -> usize {
         match self.motion {
             Some((_, timing)) if timing.readout == Readout::Band => timing.reference(&self.scene.exposure),
@@ -118,10 +124,10 @@ impl<'a> Locator<'a> {
         }
     }
 
-    /// What a place of the image shows in a band, counted from 0; `None`: no surface.
+    /// The ground point at an image place in a band, counted from 0; `None`: no surface.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if there is no such band, or where something is, is not known then.
+    /// [`Error::Invalid`] if there is no such band, or a position is unknown at its epoch.
     pub fn ground(&self, place: Place, band: usize) -> Result<Option<Ground>> {
         let now = self.camera_at(place, band)?;
         let (from_m, ray) = (now.camera.centre_m(), self.ray(&now, place));
@@ -139,8 +145,8 @@ impl<'a> Locator<'a> {
         }))
     }
 
-    /// Where a point of the ground, from the body's centre along its axes, m, lies in the image of a band, counted from 0; `None` if it is never before the
-    /// camera, or never in the slit. Of several moments in the slit the first one counts.
+    /// The image place of a ground point, from the body's centre in body axes, m, in a band, counted from 0; `None` if
+    /// it is never in front of the camera or never in the slit. Of several crossings of the slit the first one is used.
     ///
     /// # Errors
     /// As [`ground`](Locator::ground).
@@ -170,8 +176,8 @@ impl<'a> Locator<'a> {
         let inside = (0.0..=f64::from(all.samples)).contains(&place.sample)
             && (0.0..=f64::from(all.lines)).contains(&place.line);
         let to_m = local_m - now.camera.centre_m();
-        // What lies before it by more than rounding hides it.
-        let before = self.tree.nearest(now.camera.centre_m(), to_m).filter(|hit| hit.t < 1.0 - 1e-9);
+        // Only a nearer surface, by more than rounding, hides it.
+        let before = self.tree.nearest(now.camera.centre_m(), to_m).filter(|hit| hit.t < 1.0 - BEHIND);
         Ok(Some(Seen {
             place,
             inside,
@@ -185,18 +191,18 @@ impl<'a> Locator<'a> {
         self.motion.map_or(Readout::Frame, |(_, timing)| timing.readout)
     }
 
-    /// The direction in which the camera that takes a place of the image looks through it.
+    /// The viewing direction through an image place.
     pub(super) fn ray(&self, now: &Now, place: Place) -> DVec3 {
         let [sample, line] = match self.readout() {
             Readout::Frame | Readout::Band => [place.sample, place.line],
             Readout::Line => [place.sample, now.camera.boresight_px[1]],
-            // The mirror brings the place into the middle of the column.
+            // The mirror brings the place to the middle of the column.
             Readout::Sample(mirror) => [0.5, place.line - f64::from(mirror.elements) * self.sweep(&mirror, place.line)],
         };
         now.camera.ray(sample, line)
     }
 
-    /// The camera of a band when a place is taken; of a push-broom its slit alone, of a whisk-broom its column.
+    /// The camera of a band when a place is taken; the slit alone for a push-broom, the column for a whisk-broom.
     fn camera_at(&self, place: Place, band: usize) -> Result<Now> {
         let bands = self.scene.exposure.bands.len();
         if band >= bands {
@@ -220,7 +226,7 @@ impl<'a> Locator<'a> {
         Ok(kept.get_or_init(|| now).clone())
     }
 
-    /// The same so many seconds later; a mirror stands as it does.
+    /// The same, seconds later; the mirror does not move.
     pub(super) fn camera_later(&self, place: Place, band: usize, by_s: f64) -> Result<Now> {
         let exposure = &self.scene.exposure;
         let mut camera = exposure.camera.clone();
@@ -255,7 +261,8 @@ impl<'a> Locator<'a> {
         (line / elements).floor().clamp(0.0, last.max(0.0))
     }
 
-    /// Where a whisk-broom takes a point: in the sweep that has it in its column, or nearest to that; `None` if it is in none before the camera.
+    /// Where a whisk-broom takes a point: in the sweep whose column contains it or is nearest; `None` if it is never in
+    /// front of the camera.
     fn swept(&self, mirror: &Mirror, local_m: DVec3) -> Result<Option<Place>> {
         let elements = f64::from(mirror.elements);
         let sweeps = self.scene.exposure.camera.lines / mirror.elements.max(1);
@@ -263,7 +270,7 @@ impl<'a> Locator<'a> {
         for sweep in 0..sweeps {
             let first = f64::from(sweep) * elements;
             let Some([sample, line]) = self.in_sweep(mirror, first, local_m)? else { continue };
-            // How far it is outside: across the column, and beyond either end of the sweep.
+            // Distance outside: across the column, and beyond either end of the sweep.
             let beyond = |at: f64, end: f64| (-at).max(at - end).max(0.0);
             let off = beyond(line, elements).max(beyond(sample, f64::from(mirror.samples)));
             if best.as_ref().is_none_or(|(least, _)| off < *least) {
@@ -276,9 +283,10 @@ impl<'a> Locator<'a> {
         Ok(best.map(|(_, place)| place))
     }
 
-    /// The sample at which a sweep that begins with a line has a point in the middle of its column's width, and where it then is along the column.
+    /// The sample at which a sweep that begins with a line has a point in the middle of its column's width, and its
+    /// place along the column.
     ///
-    /// The mirror is what moves most: from the angle at which the point is at one moment, the next one follows.
+    /// Fixed-point iteration: the mirror moves most, so the angle to the point at one time gives the next time.
     fn in_sweep(&self, mirror: &Mirror, first: f64, local_m: DVec3) -> Result<Option<[f64; 2]>> {
         let mut sample = 0.5 * f64::from(mirror.samples);
         for _ in 0..TURNS {
@@ -286,20 +294,21 @@ impl<'a> Locator<'a> {
             let at = now.camera.world_from_sensor.inverse().point(local_m);
             let step = at.x.atan2(at.z) / mirror.step_rad;
             sample += step;
-            // A turn of more than half of all is behind.
+            // Angles beyond half a turn are behind the camera.
             if !(at.z > 0.0 || step.abs() < f64::from(mirror.samples)) || !sample.is_finite() {
                 return Ok(None);
             }
-            if step.abs() <= 1e-10 {
+            if step.abs() <= ON_POINT {
                 return Ok(now.camera.place(local_m).map(|[_, y]| [sample, y]));
             }
         }
         Ok(None)
     }
 
-    /// The line coordinate at which a point is in the middle of the slit, from half a line before the image to half a line after it.
+    /// The line coordinate at which a point crosses the middle of the slit, from half a line before the image to half a
+    /// line after it.
     fn line_of(&self, local_m: DVec3) -> Result<Option<f64>> {
-        // Which side of the slit's plane it is on, by its distance in pixels; nothing where it is behind the camera.
+        // Signed distance from the slit's plane, in pixels; `None` behind the camera.
         let side = |line: f64| -> Result<Option<f64>> {
             let now = self.camera_at(Place { sample: 0.0, line }, 0)?;
             Ok(now.camera.place(local_m).map(|[_, y]| y - now.camera.boresight_px[1]))
@@ -308,7 +317,7 @@ impl<'a> Locator<'a> {
         let lines = f64::from(self.scene.exposure.camera.lines) + 1.0;
         let looks = LOOKS.max(self.scene.exposure.camera.lines as usize / 16);
         let at = |i: usize| lines * i as f64 / looks as f64 - 0.5;
-        // That may be beyond what is known: only if nothing is, at any of them, that is an error.
+        // The half lines may lie outside the coverage: an error only if nothing is known at any of them.
         let (mut unknown, mut known) = (None, 0);
         let mut look = |i: usize| match side(at(i)) {
             Err(Error::Invalid(problems)) => {
@@ -342,11 +351,11 @@ impl<'a> Locator<'a> {
         if outside.is_some() {
             return Ok(outside);
         }
-        // Exactly in the last moment's slit.
+        // Exactly in the slit at the last epoch.
         Ok(before.1.filter(|y| *y == 0.0).map(|_| before.0))
     }
 
-    /// Between two lines on either side of the slit, the one at which a point is in it: secants that bisection keeps inside.
+    /// The line, between two on either side, at which a point is in the slit: bracketed secants.
     fn crossing(
         &self,
         mut low: (f64, f64),
@@ -368,7 +377,7 @@ impl<'a> Locator<'a> {
                 Some(y) => high = (next, y),
                 None => break,
             }
-            // A secant that gains less than half is followed by a bisection.
+            // A secant step that gains less than half is followed by a bisection.
             by_secant = high.0 - low.0 <= 0.5 * width || !by_secant;
             if (high.0 - low.0) <= 4.0 * f64::EPSILON * high.0.abs() {
                 break;

@@ -147,7 +147,7 @@ pub fn observe_maps(
     Observation::held(scene, |put| observe_maps_by_slabs(scene, table, terms, options, put, watch))
 }
 
-/// As [`observe_maps`], but `put` takes the slabs of the cube as they are made: of a frame camera one.
+/// As [`observe_maps`], but `put` takes the slabs of the cube as they are made: for a frame camera one.
 ///
 /// # Errors
 /// As [`observe_maps`], and what `put` says.

@@ -1,4 +1,4 @@
-//! Solved moments: how often a scene that moves must be solved, and the tables of the moments between.
+//! Solution epochs: how often a moving scene is solved, and tables interpolated between.
 
 use std::rc::Rc;
 
@@ -15,32 +15,32 @@ use crate::scene::{Scene, Setup, Take};
 use crate::solve;
 use crate::visibility::FacetGroups;
 
-/// Between two moments that tell a rate, s.
+/// Interval for rates, s.
 const BESIDE_S: f64 = 1.0;
-/// Moments at which the Sun's rate is looked at.
+/// Epochs at which the Sun's rate is sampled.
 const RATES: u32 = 65;
-/// The Sun goes no farther than this, rad, from one solved moment to the next.
+/// Largest motion of the Sun between solutions, rad.
 const MOST_RAD: f64 = 0.02;
-/// Of fewer exposures each is solved for, if no bound says otherwise.
+/// Fewer exposures are all solved, if no bound says otherwise.
 const WORTH_A_LOOK: usize = 16;
-/// Lines that tell how far off an image is that is taken by lines.
+/// Lines sampled for the error of an image taken by lines.
 const LINES: u32 = 64;
 
-/// No acquisition is longer, s.
+/// Longest acquisition, s.
 const LONGEST_S: f64 = 1e9;
 
-/// Tables of the moments at which the scene is solved, and of those between them.
+/// Tables at the solution epochs, and between them.
 pub(super) struct Solved<'a> {
     moving: Moving<'a>,
     /// Groups of the body's facets, if a block may be a part of it.
     pub(super) groups: Option<&'a FacetGroups>,
-    /// For how long light is steady within the tolerance everywhere, s.
+    /// Time for which illumination is constant within the tolerance everywhere, s.
     steady_s: f64,
-    /// The table of all moments, if it is given.
+    /// The table for all epochs, if it is given.
     pub(super) given: Option<Rc<FacetTable>>,
-    /// From one such moment to the next, s; `None`: it is solved at each.
+    /// Interval of solutions, s; `None`: every exposure is solved.
     step_s: Option<f64>,
-    /// The moments around the last one asked for at which all of the body was solved, s after the start.
+    /// The solutions around the last epoch asked for at which the whole body was solved, s after the start.
     around: Vec<(f64, Rc<FacetTable>)>,
 }
 
@@ -57,18 +57,19 @@ impl<'a> Solved<'a> {
     ) -> Result<Self> {
         let steady_s = moving.steady_s(extremes, tolerance)?;
         let mostly_s = moving.mostly_steady_s(steady_s, groups, tolerance, watch)?;
-        // What is needed for nearly every exposure is solved at each.
+        // If nearly every exposure needs a solution, each is solved.
         let step_s = (mostly_s > 2.0 * moving.timing.period_s).then_some(mostly_s.min(LONGEST_S));
         Ok(Solved { moving, groups, steady_s: steady_s[0], given: None, step_s, around: vec![] })
     }
 
-    /// One table for all moments.
+    /// One table for all epochs.
     pub(super) fn given(moving: Moving<'a>, groups: Option<&'a FacetGroups>, table: &FacetTable) -> Self {
         let given = Some(Rc::new(table.clone()));
         Solved { moving, groups, steady_s: f64::NAN, given, step_s: None, around: vec![] }
     }
 
-    /// Exposures that share a block, of lines those between the same solved moments: the more they are, the more each carries along that it does not see.
+    /// Exposures that share a block, for lines those between the same solved moments; larger blocks carry more unseen
+    /// facets.
     pub(super) fn blocks<'t>(&self, takes: &'t [Take]) -> Vec<&'t [Take]> {
         if self.groups.is_none() {
             return takes.chunks(1).collect();
@@ -77,7 +78,7 @@ impl<'a> Solved<'a> {
         of_step.flat_map(|takes| takes.chunks(takes.len().div_ceil(takes.len().div_ceil(BLOCK)))).collect()
     }
 
-    /// What a reader of the result should know of the moments between.
+    /// The warning about interpolation between solutions.
     pub(super) fn remark(&self, tolerance: f64) -> Option<String> {
         let step_s = self.step_s?;
         let of_sure = step_s / self.steady_s;
@@ -91,12 +92,12 @@ impl<'a> Solved<'a> {
                 "999 of 1000 pixels are off by at most {tolerance} of the median sunlit radiance, by what images of three moments say, and none at a shadow's edge by more than {:.1e}",
                 (of_sure * tolerance).min(1.0)
             ),
-            false => format!("at their edges a pixel is off by at most {tolerance} of the median sunlit radiance"),
+            false => format!("the error at their edges is at most {tolerance} of the median sunlit radiance"),
         };
-        Some(format!("shadows are found every {every} and go steadily between: {off}"))
+        Some(format!("shadows are solved every {every} and interpolated between: {off}"))
     }
 
-    /// The number of the solved moment before another one, from 0.
+    /// Index of the solution epoch before a time, from 0.
     fn step_at(&self, s: f64) -> f64 {
         self.step_s.map_or(0.0, |step_s| ((s - self.moving.timing.middle_s(0)) / step_s).floor())
     }
@@ -117,7 +118,7 @@ impl<'a> Solved<'a> {
             block.tables.clear();
             return self.solved(take.middle_s, block, &[take.middle_s], watch);
         };
-        // Not beyond the last exposure, where nothing may be known.
+        // Not beyond the last exposure, where positions may be unknown.
         let last = self.moving.timing.count(&self.moving.scene.exposure).saturating_sub(1);
         let [first_s, last_s] = [0, last].map(|i| self.moving.timing.middle_s(i));
         let step = self.step_at(take.middle_s);
@@ -147,7 +148,7 @@ impl<'a> Solved<'a> {
 }
 
 impl Moving<'_> {
-    /// How long shadows may be taken to move steadily, s, so that no pixel is off by more than the tolerance; and how long all else may.
+    /// Intervals, s, for which shadows, and everything else, may be interpolated within the tolerance.
     fn steady_s(&self, extremes: &Extremes, tolerance: f64) -> Result<[f64; 2]> {
         let Moving { scene, motion, timing, .. } = *self;
         let duration_s = timing.middle_s(timing.count(&scene.exposure).saturating_sub(1)) - timing.middle_s(0);

@@ -1,11 +1,11 @@
-//! A scene that moves, at a moment: its sky, and what is exposed from where.
+//! A moving scene at an epoch: its sky, and its exposure.
 
 use crate::error::Result;
 use crate::flight::Epoch;
 use crate::instrument::Optics;
 use crate::scene::{Body, Exposure, Motion, Scene, Setup, Take, Timing};
 
-/// A scene at the moment of its reference exposure, and how it moves.
+/// A scene at its reference exposure, and its motion.
 #[derive(Debug, Clone, Copy)]
 pub struct Moving<'a> {
     /// The scene then.
@@ -19,14 +19,15 @@ pub struct Moving<'a> {
 }
 
 impl Moving<'_> {
-    /// The scene at the moment of a part of the cube, with what is exposed then, of a body or a part of it; under a sky that moves, or stands still.
+    /// The scene at the epoch of a part of the cube, with its exposure, of a body or a part of it; under a moving or
+    /// fixed sky.
     pub(super) fn at(&self, body: &Body, take: &Take, is_still: bool) -> Result<Scene> {
         let Moving { scene, motion, .. } = *self;
         let sky = if is_still { scene.sky.clone() } else { motion.sky(&scene.sky, self.epoch(take))? };
         Scene::new(Setup { body: body.clone(), sky, exposure: self.exposure(take)?, models: scene.models })
     }
 
-    /// What is exposed of a part of the cube, with the camera where it then is.
+    /// The exposure of a part of the cube, at the camera's pose then.
     pub(super) fn exposure(&self, take: &Take) -> Result<Exposure> {
         self.exposure_at(take, take.middle_s)
     }
@@ -37,7 +38,7 @@ impl Moving<'_> {
         Ok(exposure)
     }
 
-    /// The middle of a part of the cube.
+    /// The middle of its exposure.
     pub(super) fn epoch(&self, take: &Take) -> Epoch {
         self.motion.start.after_s(take.middle_s)
     }

@@ -1,4 +1,4 @@
-//! Which way is which in an image.
+//! Orientation of an image: directions to north and Sun.
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -10,7 +10,7 @@ use crate::scene::Scene;
 /// Shorter than this, in pixels for a unit of a direction over the scale of a pixel, a direction is along the line of sight, but for rounding.
 const ALONG: f64 = 16.0 * f64::EPSILON;
 
-/// Which way is which in the middle of an image (of one that is taken in parts: of its reference exposure).
+/// Orientation in the middle of an image (for one taken in parts: of its reference exposure).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Orientation {

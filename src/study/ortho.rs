@@ -1,4 +1,4 @@
-//! An image as a map: which pixels are in which cells, exactly, and so what each cell shows.
+//! Orthorectification: the exact overlap of pixels and map cells, and so each cell's value.
 
 use crate::error::{Error, Location, Result};
 use crate::geometry::polygon::{Point, Rect};
@@ -8,24 +8,24 @@ use crate::product::{CellPart, MapGrid, Projection};
 use crate::progress::Watch;
 use crate::scene::{Motion, Readout, Scene, Timing};
 
-/// A map of more cells is refused.
+/// Largest number of cells.
 const MOST_CELLS: f64 = (1_u64 << 26) as f64;
 
 /// Borders that are this part of a cell off whole cells are so by rounding.
 const PART_OF_CELL: f64 = 1e-6;
 
-/// A map that is asked for.
+/// A requested map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapWish {
     /// Longitudes and latitudes, deg; else the tangent plane at the scene's origin, m.
     pub plate_carree: bool,
-    /// A cell's side, in that unit.
+    /// Cell size, in that unit.
     pub cell: f64,
-    /// West, south, east and north borders, in that unit; `None`: what the image shows, outwards to whole cells.
+    /// West, south, east and north borders, in that unit; `None`: the image's extent, rounded outwards to whole cells.
     pub borders: Option<[f64; 4]>,
 }
 
-/// The scenes of an image in a band, from 0, each with its first sample and line: of a push-broom one for each line, of a whisk-broom for each sample of a sweep, else one.
+/// The scenes of an image in a band, from 0, each with its first sample and line: for a push-broom one for each line, for a whisk-broom for each sample of a sweep, else one.
 fn looks(scene: &Scene, motion: Option<(&Motion, Timing)>, band: usize) -> Result<Vec<(Scene, [u32; 2])>> {
     let Some((motion, timing)) = motion.filter(|(_, timing)| timing.is_in_parts()) else {
         return Ok(vec![(scene.clone(), [0, 0])]);
@@ -52,7 +52,7 @@ fn grid(scene: &Scene, looks: &[(Scene, [u32; 2])], wish: MapWish, watch: Watch<
         Projection::PlateCarree { middle_deg: eye_m.y.atan2(eye_m.x).to_degrees() }
     } else {
         let Some(axes) = body_from_site(origin_m) else {
-            return refused("the scene's `origin_m` is the body's centre, where nothing is level: take plate-carree");
+            return refused("the tangent plane is undefined at the body's centre (`origin_m`): use plate-carree");
         };
         Projection::Tangent { origin_m, axes }
     };
@@ -77,7 +77,7 @@ fn grid(scene: &Scene, looks: &[(Scene, [u32; 2])], wish: MapWish, watch: Watch<
     };
     let (columns, rows) = (((east - west) / wish.cell).round(), ((north - south) / wish.cell).round());
     if !(columns >= 1.0 && rows >= 1.0) {
-        return refused("borders are west, south, east, north, and at least a cell apart");
+        return refused("borders must be west, south, east, north, at least one cell apart");
     }
     let is_whole = |extent: f64, cells: f64| (extent / wish.cell - cells).abs() <= PART_OF_CELL;
     if !is_whole(east - west, columns) || !is_whole(north - south, rows) {
@@ -101,7 +101,7 @@ fn joined(bounds: Option<Rect>, points: &[Point]) -> Rect {
     })
 }
 
-/// The grid of a map of an image in a band, from 0, and what each pixel has in each cell: pixel by pixel, cells ascending.
+/// The grid of a map of an image in a band, from 0, and the area of each pixel in each cell: by pixel, cells ascending.
 ///
 /// # Errors
 /// [`Error::Invalid`] if no such map can be made, or where something is, is not known; [`Error::Interrupted`] if `watch` asks to stop.
@@ -129,7 +129,7 @@ pub fn ortho(
             });
         };
         for mut line in ground_pieces(then, watch, Vec::new, put)? {
-            // Stable: parts of a cell are added up in the order in which they came.
+            // Stable: parts of a cell are added in order of arrival.
             line.sort_by_key(|part| (part.sample, part.cell));
             for part in line {
                 match parts.last_mut() {
@@ -143,12 +143,12 @@ pub fn ortho(
             }
         }
     }
-    // Of what hides another part all over, rounding may leave less than nothing.
+    // If one part hides another completely, rounding may leave a negative area.
     parts.retain(|part| part.area > 0.0);
     Ok((grid, parts))
 }
 
-/// The band, from 0, whose geometry stands for an image's: of a filter the middle one.
+/// The reference band, from 0: the middle one for a filter.
 pub fn reference_band(scene: &Scene, motion: Option<(&Motion, Timing)>) -> usize {
     match motion {
         Some((_, timing)) if timing.readout == Readout::Band => timing.reference(&scene.exposure),

@@ -1,9 +1,10 @@
-//! An instrument over a cube of pixels' means, instead of over a scene: optics blur whole pixels, for want of anything finer.
+//! An instrument applied to a cube of pixel means instead of a scene: optics blur whole pixels, for lack of finer
+//! detail.
 
 use crate::instrument::{Blur, Chain, Optics};
 
-/// A band of a cube, line by line, as the optics of an instrument let it through: means of pixels are taken for light that is even within a pixel, and what lies beyond the border for what
-/// lies at it. NaN, which is no light, is taken for none, and stays NaN.
+/// A band of a cube, line by line, blurred by an instrument's optics, taking radiance as uniform within pixels and
+/// repeating border pixels outwards. NaN counts as no light, and stays NaN.
 pub fn blurred(optics: &Optics, lambda_um: f64, values: &[f64], size: [usize; 2]) -> Vec<f64> {
     let [samples, lines] = size;
     let light: Vec<f64> = values.iter().map(|value| if value.is_finite() { *value } else { 0.0 }).collect();
@@ -23,7 +24,7 @@ pub fn blurred(optics: &Optics, lambda_um: f64, values: &[f64], size: [usize; 2]
     spread.into_iter().zip(values).map(|(to, from)| if from.is_nan() { f64::NAN } else { veiled(to) }).collect()
 }
 
-/// What a reader of such a cube should know.
+/// The warning for such a cube.
 pub fn remark(chain: &Chain) -> Option<String> {
     chain.optics.as_ref().filter(|optics| optics.blurs()).map(|_| {
         "an approximation: the optics blur means of pixels, which hold no detail below a pixel; waves near and above half a cycle per pixel pass otherwise than they should. \

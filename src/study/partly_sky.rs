@@ -39,7 +39,7 @@ pub(super) fn is_in_means(sky: SkyShare, placement: &Placement, seen: &[f64], va
     }
 }
 
-/// If less of an image's border than this is dark, that is no sky around a scene.
+/// If less of an image's border than this is dark, that is not sky around a scene.
 const LEAST_BORDER: f64 = 0.05;
 /// Texels that are darker than this share of the mean of all are dark as the sky.
 const DARK_AS_SKY: f64 = 1e-3;
@@ -64,7 +64,7 @@ pub(super) fn may_be_in_means(sky: SkyShare, image: &ViewImage, values: &[f64]) 
     dark >= LEAST_BORDER * all
 }
 
-/// Fewer texels at the rim are no evidence.
+/// Fewer texels at the rim are not evidence.
 const FEW: usize = 8;
 /// Texels at the rim that show less or more of the scene than these tell little: what they would be either way is too much alike, or
 /// too faint.

@@ -246,7 +246,7 @@ pub fn looks_s(scene: &Scene, extremes: &Extremes, looks: Looks) -> f64 {
 /// The plan that these models are.
 pub(super) fn account(scene: &Scene, given: &Given, request: &Request) -> Plan {
     let effects = effects(given);
-    // What has a tolerance of its own is no part of the sums: what is left of it, and, if that decides, all of it.
+    // What has a tolerance of its own is not part of the sums: what is left of it, and, if that decides, all of it.
     let is_apart = |kind: &EffectKind, decision: Decision| match &kind.switch {
         Some(switch) => switch.own.is_some() && (decision == Decision::Kept || switch.drops_by_own),
         None => false,

@@ -1,4 +1,4 @@
-//! A detector reads an image: numbers that are sent, the radiance they are taken for, and an account of signal and noise.
+//! A detector reads an image: DN, calibrated radiance, and signal-to-noise statistics.
 
 use std::ops::Range;
 
@@ -24,16 +24,16 @@ pub struct Reader {
     snr: [Vec<f64>; 3],
 }
 
-/// A slab as it was read.
+/// A measured slab.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
-    /// Radiance, W m-2 sr-1 um-1, that the numbers are taken for.
+    /// Calibrated radiance, W m-2 sr-1 um-1.
     pub radiance: Slab,
-    /// The numbers that are sent.
+    /// DN.
     pub numbers: Slab,
 }
 
-/// Signal and noise of a band: of the radiance before the detector, and of what was made of it.
+/// Signal and noise of a band, before and after the detector.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BandSignal {
@@ -45,17 +45,17 @@ pub struct BandSignal {
     pub mean: f64,
     /// Highest radiance.
     pub highest: f64,
-    /// The brightest radiance that is not saturated.
+    /// Saturation radiance.
     pub brightest: f64,
     /// Electrons of the mean radiance.
     pub signal_e: f64,
-    /// Electrons that are no signal.
+    /// Dark and background electrons.
     pub others_e: f64,
-    /// Noise of counting signal and others, electrons.
+    /// Shot noise of all electrons, electrons.
     pub shot_e: f64,
-    /// Noise of reading, electrons.
+    /// Read noise, electrons.
     pub read_e: f64,
-    /// Noise of rounding to whole steps, electrons.
+    /// Quantisation noise, electrons.
     pub rounding_e: f64,
     /// Noise of the elements' sensitivities, electrons, at the mean radiance: the same in every image.
     #[serde(default)]
@@ -66,19 +66,19 @@ pub struct BandSignal {
     /// The number that no light gives, on average.
     #[serde(default)]
     pub zero_dn: f64,
-    /// Signal over noise of the lowest radiance.
+    /// Signal-to-noise ratio of the lowest radiance.
     pub snr_lowest: f64,
-    /// Signal over noise of the mean radiance.
+    /// Signal-to-noise ratio of the mean radiance.
     pub snr_mean: f64,
-    /// Pixels that show something.
+    /// Pixels with signal.
     pub pixels: u64,
-    /// Pixels that were too bright.
+    /// Saturated pixels.
     pub saturated: u64,
 }
 
 /// Lines are read together up to this size of their numbers.
 const LINES_BYTES: usize = 64 << 20;
-/// A signal over noise that is asked for of instruments like these.
+/// Required signal-to-noise ratio of such instruments.
 pub const GOOD: f64 = 100.0;
 
 impl Reader {
@@ -92,7 +92,7 @@ impl Reader {
         }
         let bands: Vec<Option<Counting>> = axes.bands.iter().map(|band| detector.counting(band)).collect();
         let problem = |(i, _): (usize, &Option<Counting>)| {
-            let message = format!("a band at {} um without a width has no electrons", axes.bands[i].centre_um);
+            let message = format!("band at {} um needs a width", axes.bands[i].centre_um);
             Problem::new(Location::item(format!("sensor.bands[{i}]")), message)
                 .with_help("give `sensor.bands.fwhm_um`, or `sensor.detector.width_um` for all of them")
         };
@@ -178,7 +178,7 @@ impl Reader {
                     let element =
                         by_pixel.get(pixel).copied().unwrap_or_else(|| detector.element(element(pixel, band)));
                     let measured = counting.measure(light, element, noise_of(pixel));
-                    // Where nothing is known, nothing is measured; a number is sent all the same.
+                    // Unknown radiance is not measured; its DN is still written.
                     radiance[pixel] = if light.is_nan() { light } else { measured.radiance };
                     numbers[pixel] = measured.dn;
                     sums.saturated += u64::from(measured.is_saturated);
@@ -254,7 +254,7 @@ impl Reader {
         [sum.iter().map(|s| s * share).collect(), least.clone(), good.iter().map(|g| g * share).collect()]
     }
 
-    /// Elements that see nothing.
+    /// Dead elements.
     pub fn dead_elements(&self) -> u64 {
         let CubeAxes { samples, lines, bands, .. } = &self.axes;
         let count = match self.readout {

@@ -1,4 +1,5 @@
-//! What an acquisition sees of the surface, facet by facet: exact parts of facets, by the visibility that images and shadows are made by, without an image.
+//! Facet coverage of an acquisition: the exact visible part of each facet, by the visibility code of images and
+//! shadows, without an image.
 
 use std::collections::BTreeMap;
 
@@ -17,10 +18,10 @@ use crate::visibility::{FacetGroups, Seen, Shown};
 const STAGE: &str = "sights";
 /// All of a facet, (u, v).
 const WHOLE: [Point; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-/// Parts below this share of a facet are what rounding leaves of polygons that are taken off one another.
+/// Smallest fraction of a facet that is not rounding of polygon differences.
 const SLIVER: f64 = 1e-14;
 
-/// What an acquisition sees: of a push-broom or whisk-broom what its parts see together, of others what the camera sees at the reference exposure. The Sun is
+/// What an acquisition sees: for a push-broom or whisk-broom what its parts see together, for others what the camera sees at the reference exposure. The Sun is
 /// where it is at the reference exposure, and is a point; bodies of the sky hide it.
 ///
 /// # Errors
@@ -76,7 +77,7 @@ fn angle_deg(cosine: f64) -> f64 {
     cosine.clamp(-1.0, 1.0).acos().to_degrees()
 }
 
-/// What has been seen of a facet: polygons (u, v), counter-clockwise, that do not overlap; and how finely at best.
+/// Seen part of a facet: non-overlapping polygons (u, v), counter-clockwise; and the finest sampling.
 struct Looks {
     polygons: Vec<Vec<Point>>,
     sampling_m: f64,
@@ -97,7 +98,7 @@ fn add(facets: &mut BTreeMap<u32, Looks>, scene: &Scene, seen: &Seen, camera: &F
         match facets.get_mut(&facet) {
             None => _ = facets.insert(facet, Looks { polygons, sampling_m, cos_emission }),
             Some(looks) => {
-                // What one camera sees does not overlap; of two, it may.
+                // Parts from one camera do not overlap; parts from two may.
                 let before = looks.polygons.len();
                 for polygon in polygons {
                     looks.add(polygon, before);
@@ -118,7 +119,7 @@ fn counter_clockwise(polygon: &[Point]) -> Vec<Point> {
     polygon
 }
 
-/// Size of a pixel on a facet's plane, m, and the cosine of emission, in the middle of the part that is seen.
+/// Pixel size on a facet's plane, m, and the cosine of emission, in the middle of the visible part.
 ///
 /// A pixel of pitch p, an angle a off the boresight, subtends p^2 cos^3 a, and at range r shows r^2 p^2 cos^3 a / cos e of the plane; a lens that
 /// enlarges an area there makes that so much less. Of the camera, and of the same without its lens.
@@ -136,12 +137,12 @@ fn sampling(facet: &Facet, polygons: &[Vec<Point>], (camera, pinhole): (&FrameCa
     let lensed = pinhole.place(middle_m).and_then(|at| camera.lensed(at));
     let enlarged = lensed.map_or(1.0, |(_, by)| (by[0][0] * by[1][1] - by[0][1] * by[1][0]).abs());
     let sampling_m = range_m * camera.mean_pitch() * (cos_off.powi(3) / cos_emission / enlarged).sqrt();
-    // Edge-on to rounding, the plane says nothing.
+    // Edge-on within rounding: undefined.
     (if sampling_m > 0.0 { sampling_m } else { f64::INFINITY }, cos_emission)
 }
 
 impl Looks {
-    /// Share of the facet's area, of which (u, v) fill a half.
+    /// Fraction of the facet's area; (u, v) coordinates span a half.
     fn seen(&self) -> f64 {
         (2.0 * self.polygons.iter().map(|polygon| area(polygon)).sum::<f64>()).min(1.0)
     }
@@ -158,7 +159,7 @@ impl Looks {
         sum
     }
 
-    /// Adds what of a polygon the first ones do not have.
+    /// Adds the part of a polygon that is not covered yet.
     fn add(&mut self, polygon: Vec<Point>, first: usize) {
         let mut rest = vec![polygon];
         for known in &self.polygons[..first] {
@@ -172,7 +173,8 @@ impl Looks {
     }
 }
 
-/// What is left of a convex polygon without another one, within `bounds`: beyond its first side, then beyond the second of the rest ...
+/// A convex polygon minus another, within `bounds`: the part beyond its first side, then of the rest that beyond the
+/// second ...
 fn without(polygon: Vec<Point>, other: &[Point], bounds: &Rect) -> Vec<Vec<Point>> {
     if !Rect::of(&polygon).overlaps(bounds) {
         return vec![polygon];

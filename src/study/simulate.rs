@@ -39,7 +39,7 @@ pub fn observe(scene: &Scene, table: &FacetTable, wanted: Wanted<'_>, watch: Wat
     Ok(Observation::held(scene, make)?.0)
 }
 
-/// As [`observe`], but `put` takes the slabs of the cube as they are made: of a frame camera one.
+/// As [`observe`], but `put` takes the slabs of the cube as they are made: for a frame camera one.
 ///
 /// # Errors
 /// As [`observe`], and what `put` says.

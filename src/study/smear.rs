@@ -1,4 +1,4 @@
-//! Smear: how far what is seen moves during an exposure, and what is said of it.
+//! Motion smear during an exposure, and its warning.
 
 use glam::{DVec2, DVec3};
 
@@ -8,12 +8,12 @@ use crate::geometry::{FrameCamera, whole_u32};
 use crate::product::{Exposed, Exposures};
 use crate::scene::{Readout, Take, Timing};
 
-/// Exposures whose smear is looked at, and steps in each.
+/// Exposures sampled for smear, and steps in each.
 const SMEARS: usize = 16;
 const SMEAR_STEPS: u32 = 8;
 /// A plan takes no more poses of an exposure: what is left is said.
 const MOST_POSES: u32 = 64;
-/// A smear of fewer pixels is not worth a word.
+/// Smear below this, pixels, is not reported.
 const SMEAR_PX: f64 = 0.05;
 /// Lines that follow one another closer, or farther apart, than so many pixels are worth one.
 const ADVANCE_PX: [f64; 2] = [0.5, 1.5];
@@ -54,7 +54,7 @@ impl Moving<'_> {
         Some(points.filter(|point| point.is_finite()).collect())
     }
 
-    /// What a reader of the result should know of it.
+    /// The warning about smear.
     pub(super) fn smear_remark(&self, tolerance: f64) -> Option<String> {
         let smear_px = self.smear_px().filter(|px| *px > SMEAR_PX)?;
         let camera = &self.scene.exposure.camera;

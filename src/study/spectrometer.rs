@@ -1,8 +1,9 @@
-//! What a push-broom's spectrometer makes of a line: smile, by which a band's centre is another one at each sample, and keystone, by which each band looks somewhat farther
-//! on along the slit.
+//! Smile and keystone in push-broom lines: smile shifts a band's centre per sample, keystone shifts a band along the
+//! slit.
 //!
-//! The line is looked at with a few shifts of both, exactly; between them radiance is interpolated: over keystone linearly, over smile by the parabola through three. Each look
-//! is a slab of its own, whose weights count by sample and whose spectra by band.
+//! The line is rendered exactly with a few shifts of both; radiance is interpolated between them: linearly over
+//! keystone, by the parabola through three over smile. Each rendering is a slab of its own, with weights by sample and
+//! spectra by band.
 
 use crate::error::Result;
 use crate::integrate::{self, Wanted};
@@ -10,12 +11,12 @@ use crate::product::{FacetTable, Slab};
 use crate::progress::Watch;
 use crate::scene::{Exposure, Scene};
 
-/// Looks along the slit for each pixel of keystone: at an edge a pixel is off by a quarter of their distance at most, times the contrast.
+/// Renderings per pixel of keystone: at an edge the error is at most a quarter of their distance times the contrast.
 const LOOKS_A_PIXEL: f64 = 32.0;
-/// Bands with no more keystones than this are looked at one by one.
+/// Up to this many different keystones are rendered one by one.
 const FEW: u32 = 16;
 
-/// With which shifts an image is looked at, and how much each of them counts.
+/// Shifts with which an image is rendered, and their weights.
 pub(super) struct Looks {
     /// Smile, um, and its share in each sample.
     pub(super) smiles: Vec<(f64, Vec<f64>)>,

@@ -1,4 +1,4 @@
-//! Which facet lies where in longitude and latitude.
+//! Map of facets in longitude and latitude.
 
 use rayon::prelude::*;
 
@@ -7,12 +7,12 @@ use crate::geometry::{whole, whole_u32};
 use crate::scene::Body;
 use crate::visibility::RayTree;
 
-/// Pixels of a map, about, and of its sides at most and at least.
+/// About the number of pixels of a map, and the largest and smallest side.
 const PIXELS: f64 = 720.0 * 360.0;
 const SIDES: [f64; 2] = [120.0, 1440.0];
-/// A body with a gap of more longitudes than this is a part of one, deg.
+/// Longitude gap beyond which a body counts as a part of one, deg.
 const GAP_DEG: f64 = 90.0;
-/// Around a part of a body a map has this share of its size.
+/// Margin around a part of a body, relative to its size.
 const AROUND: f64 = 0.02;
 
 /// A map in longitude and latitude (plate carree): planetocentric, longitude east to the right, north up.
@@ -53,7 +53,7 @@ impl SurfaceMap {
     }
 }
 
-/// Longitudes and latitudes that a body's surface spans, deg.
+/// Extent of a body's surface in longitude and latitude, deg.
 fn window(body: &Body) -> ([f64; 2], [f64; 2]) {
     const ALL: ([f64; 2], [f64; 2]) = ([0.0, 360.0], [-90.0, 90.0]);
     let mut longitudes = Vec::new();

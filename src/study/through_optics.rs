@@ -1,7 +1,9 @@
-//! What optics let through: an image is looked at on a grid finer than pixels, with what lies around it, blurred there, and averaged over pixels.
+//! Imaging through optics: the image is rendered on a finer grid with a margin, blurred there, and averaged over
+//! pixels.
 //!
-//! A spectrometer's keystone moves what optics have blurred, which is the same as to blur what is moved: it is in the finer image. Its smile is the detector's, and gives each
-//! sample its share of blurred images with one smile each. Of a whisk-broom each sample is an image of its own, of a column and what lies around that at the moment.
+//! Keystone is a shift, which commutes with the blur: it is applied to the finer image. Smile belongs to the detector:
+//! each sample mixes blurred images of one smile each. For a whisk-broom each sample is an image of its own: a column
+//! and its surroundings at that epoch.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -16,15 +18,15 @@ use crate::product::{FacetTable, Slab};
 use crate::progress::Watch;
 use crate::scene::{Exposure, Scene};
 
-/// Bands that are expanded together: what [`Slab::expand`] computes at once.
+/// Bands expanded together: what [`Slab::expand`] computes at once.
 const TOGETHER: usize = 16;
-/// Parts of pixels that are looked at together: lines of an image come in strips of so many, or one by one.
+/// Subpixels rendered together: images are rendered in strips of so many, or line by line.
 const STRIP: usize = 400_000;
 
-/// Kernels are kept up to this size.
+/// Largest size of the kernel cache.
 const KEPT_BYTES: usize = 512 << 20;
 
-/// Kernels of the bands of an image, for strips of the same size; made when they are first asked for.
+/// Kernels per band, for strips of equal size; made when first needed.
 pub(super) struct Blurs {
     size: [usize; 2],
     of_bands: Vec<OnceLock<Blur>>,
@@ -42,7 +44,7 @@ impl Blurs {
         Blurs { size, of_bands: (0..if is_kept { bands } else { 0 }).map(|_| OnceLock::new()).collect() }
     }
 
-    /// Blurs an image of parts of pixels in a band.
+    /// Blurs a subpixel image in a band.
     fn pixels(&self, optics: &Optics, exposure: &Exposure, band: usize, size: [usize; 2], fine: &[f64]) -> Vec<f64> {
         let make = || Blur::new(optics, exposure.bands[band].centre_um, size);
         match self.of_bands.get(band).filter(|_| size == self.size) {
@@ -62,7 +64,7 @@ fn strip_lines(optics: &Optics, exposure: &Exposure) -> u32 {
     u32::try_from((STRIP / line_parts.max(1)).max(2 * optics.reach_px as usize)).unwrap_or(u32::MAX).max(1)
 }
 
-/// What is seen through optics: from one pose, or from several that share the time of an exposure.
+/// A view through optics: from one pose, or from several within an exposure.
 pub(super) struct Seen<'a> {
     /// The scene from each of them.
     pub(super) poses: &'a [Scene],
@@ -95,7 +97,7 @@ impl Seen<'_> {
         Ok(())
     }
 
-    /// What is scattered over the image, in each band: its mean radiance; none if nothing is.
+    /// Stray light in each band: the mean radiance; none without stray light.
     fn veil(&self, watch: Watch<'_>) -> Result<Vec<f64>> {
         if self.optics.stray == 0.0 {
             return Ok(vec![]);
@@ -121,7 +123,7 @@ impl Seen<'_> {
         let pixels = samples * lines.len();
         let mut radiance = vec![0.0; pixels * bands.len()];
         let Looks { smiles, keystones } = Looks::of(exposure);
-        // One after the other, as there may be many: what is blurred adds up.
+        // One pose after another, as there may be many: blurred images are summed.
         for (smile_um, by_sample) in &smiles {
             for (keystone_px, by_band) in &keystones {
                 let fine = self.fine(&lines, (*smile_um, *keystone_px), watch)?;
@@ -152,7 +154,8 @@ impl Seen<'_> {
         Ok(Slab::dense(lines.start as usize..lines.end as usize, 0..bands.len(), radiance))
     }
 
-    /// Some lines of the image by parts of pixels, and what is around them, from all poses, with one smile, um, and one keystone, pixels.
+    /// Some lines of the subpixel image with their margin, from all poses, with one smile, um, and one keystone,
+    /// pixels.
     fn fine(&self, lines: &Range<u32>, (smile_um, keystone_px): (f64, f64), watch: Watch<'_>) -> Result<Slab> {
         let Optics { subpixels, reach_px, .. } = *self.optics;
         let mut parts = Vec::new();
@@ -167,7 +170,7 @@ impl Seen<'_> {
     }
 }
 
-/// The camera of an exposure by parts of pixels, with so many pixels more on each side; its lens is known for as far as keystone shifts it besides.
+/// The subpixel camera of an exposure, with a margin of so many pixels; its lens also covers the keystone.
 pub(super) fn refined(exposure: &Exposure, (parts, more): (u32, u32), lines: Range<u32>) -> Result<FrameCamera> {
     let shifts_px = exposure.spectrometer.keystones_px(&exposure.bands);
     let farthest = whole_u32(shifts_px.iter().fold(0.0_f64, |most, px| most.max(px.abs())).ceil());
@@ -177,7 +180,7 @@ pub(super) fn refined(exposure: &Exposure, (parts, more): (u32, u32), lines: Ran
     Ok(wide.window(within(wide.samples), within(wide.lines)))
 }
 
-/// Says if this version does not blur the images of a sensor.
+/// Error for sensors whose images cannot be blurred.
 pub(super) fn serves(optics: Option<&Optics>, exposure: &Exposure) -> Result<()> {
     let Some(optics) = optics else { return Ok(()) };
     // What its camera says against it, it says before anything is computed.
@@ -189,8 +192,8 @@ fn pixels_of(exposure: &Exposure, slab: &Slab) -> usize {
     exposure.camera.samples as usize * slab.lines.len()
 }
 
-/// Poses of one exposure show other bodies.
+/// Error if poses of one exposure show different bodies.
 pub(super) fn other_spectra() -> Error {
-    let message = "poses of one exposure have not the same spectra: a body of the sky comes into view; take one pose";
+    let message = "a body enters the view during the exposure: set exposure_poses = 1";
     Error::invalid(Location::item("sensor.exposure_poses"), message)
 }

@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-9;
 /// A few facets, and where they face.
 #[derive(Debug, Clone)]
 pub(super) struct Block {
-    /// All normals are within an angle of this direction; its sine, above 1 where that is no bound.
+    /// All normals are within an angle of this direction; its sine, above 1 where that is not a bound.
     axis: DVec3,
     sin_spread: f64,
     /// Where its facets are among those of all blocks.

@@ -128,5 +128,5 @@ impl<'a> Bundles<'a> {
 /// Multiples of it, modulo 1, are evenly spread; so are those of the pair in a square.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-/// Cells are no flatter than this.
+/// Cells are not flatter than this.
 const FLATTEST: f64 = 0.1;

@@ -103,7 +103,7 @@ fn lowest_within([a, b, c]: &[[f64; 3]; 3], rect: &Rect) -> f64 {
     let slope = [(u[2] * v[1] - v[2] * u[1]) / det, (v[2] * u[0] - u[2] * v[0]) / det];
     let at = |p: &Point| a[2] + slope[0] * (p[0] - a[0]) + slope[1] * (p[1] - a[1]);
     let of_plane = rect.corners().iter().map(at).fold(f64::INFINITY, f64::min);
-    // Of a triangle seen edge-on it is no number: `max` takes the other.
+    // Of a triangle seen edge-on it is not a number: `max` takes the other.
     of_corners.max(of_plane)
 }
 

@@ -194,8 +194,8 @@ fn what_angles_do_not_say_is_asked_for() {
         ("emission_deg = 0, range_m = 0", "0 is not more than 0"),
         ("emission_deg = 0, range_m = 5, normal = [0, 0, 0]", "has no length"),
         ("emission_deg = 0, range_m = 5, target_m = [0, 0, 0]", "no zenith"),
-        ("emission_deg = 0, range_m = 5, up = \"zenith\"", "no length across the line of sight"),
-        ("emission_deg = 90, observer_azimuth_deg = 0, range_m = 5", "no length across the line of sight"),
+        ("emission_deg = 0, range_m = 5, up = \"zenith\"", "is along the line of sight"),
+        ("emission_deg = 90, observer_azimuth_deg = 0, range_m = 5", "is along the line of sight"),
         ("emission_deg = 0, range_m = 5, up = \"sun\"", "goes with `incidence_deg`"),
         (
             "incidence_deg = 30, emission_deg = 20, phase_deg = 51, sun_azimuth_deg = 1, range_m = 5",

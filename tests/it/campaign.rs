@@ -366,7 +366,7 @@ fn one_that_fails_is_told_and_the_others_are_made() {
     assert!(!scratch.join("out/failed").exists());
     // One that is no longer asked for stays, and is named.
     scratch.edit("campaign.toml", "name = \"never\"", "name = \"again\"");
-    assert!(made(&scratch, "out", &["--coverage-only"]).2.contains("products/never is of no acquisition"));
+    assert!(made(&scratch, "out", &["--coverage-only"]).2.contains("products/never belongs to no acquisition"));
 }
 
 #[test]
@@ -383,30 +383,30 @@ fn mistakes_are_told_where_they_are() {
         (&[("scene.toml", "none.toml")], "campaign.toml:2:9 scene: "),
         (&[("05:00:00", "07:00:00")], "campaign.toml:6:8 acquisitions[0].stop: is before `start`"),
         (&[("1800.0", "0.0")], "campaign.toml:7:11 acquisitions[0].every_s: 0 is not more than 0"),
-        (&[("1800.0", "1e-6")], "acquisitions, and a campaign has 1000000 at most (help: give a longer step"),
+        (&[("1800.0", "1e-6")], "acquisitions; a campaign has at most 1000000 (help: give a longer step"),
         (
             &[("1800.0", "1e-4"), ("T05:00:00", "T05:59:59.9999"), ("T06:00:00", "T06:00:00.0002")],
-            "campaign.toml:5:9 acquisitions[0].start: a second acquisition is called map_2027-05-01T06-00-00.000",
+            "campaign.toml:5:9 acquisitions[0].start: duplicate acquisition name map_2027-05-01T06-00-00.000",
         ),
         (
             &[("every_s = 1800.0\n", "")],
-            "campaign.toml:3:1 acquisitions[0]: does not say in one way when it is (help: give one of: `epoch`",
+            "campaign.toml:3:1 acquisitions[0]: must give its time in exactly one way (help: give one of: `epoch`",
         ),
         (
             &[("name = \"site\"", "name = \"Map_2027-05-01T05-30-00.000\"")],
-            "campaign.toml:9:8 acquisitions[1].name: a second acquisition is called",
+            "campaign.toml:9:8 acquisitions[1].name: duplicate acquisition name",
         ),
         (&[("name = \"site\"", "name = \"../site\"")], "campaign.toml:9:8 acquisitions[1].name: \"../site\" begins"),
         (
             &[(site, "epochs = [\"2027-05-01T06:00:00 UTC\", \"2027-05-01T06:00:00 UTC\"]")],
-            "campaign.toml:10:38 acquisitions[1].epochs[1]: is not after",
+            "campaign.toml:10:38 acquisitions[1].epochs[1]: is not later",
         ),
         (&[(site, "epochs = []")], "expected a list of at least 1, found 0"),
         (&[(site, "epoch = \"2027-05-01 06:00\"")], "campaign.toml:10:9 acquisitions[1].epoch: "),
-        (&[("longitude_deg = 10.0", "target_m = [1.0, 2.0, 3.0]")], "does not say in one way what it looks at"),
+        (&[("longitude_deg = 10.0", "target_m = [1.0, 2.0, 3.0]")], "must give its target in exactly one way"),
         (
             &[("longitude_deg = 10.0", "longitude_deg = 10.0\npointing = { target_m = [0.0, 0.0, 1.0] }")],
-            "campaign.toml:13:12 acquisitions[1].pointing: says what to look at",
+            "campaign.toml:13:12 acquisitions[1].pointing: conflicts with the target",
         ),
         (
             &[("longitude_deg = 10.0", "longitude_deg = 10.0\n[coverage]\nwithin_m = [5.0, 5.0]")],
@@ -506,7 +506,10 @@ fn a_point_is_found_in_both_looks_of_a_pair() {
     assert!(off.iter().all(|off| *off < 1e-6), "{expected:?} {b:?}");
     assert!((place(&b)[0] - 2.5).abs() > 0.5, "{b:?}");
     let (code, _, err) = run(&["locate", &file, "--acquisition", "c", "--pixel=1,1"]);
-    assert!(code == 1 && err.contains("there is none called \"c\"") && err.contains("they are a, b"), "{err}");
+    assert!(
+        code == 1 && err.contains("there is no acquisition called \"c\"") && err.contains("acquisitions: a, b"),
+        "{err}"
+    );
 }
 
 /// Memory does not grow with the number of acquisitions: the most of a process, kB.

@@ -86,7 +86,7 @@ fn a_circle_is_followed_between_its_rows() {
         [(-0.001, "from 2026-07-01"), (3600.5, "but not from"), (5500.0, "but not from"), (8800.0, "to")]
     {
         let error = almanac.state("MMX", "PHOBOS", "J2000", start.after_s(second)).unwrap_err().to_string();
-        assert!(error.contains("is not known at") && error.contains(told), "{error}");
+        assert!(error.contains("is unknown at") && error.contains(told), "{error}");
     }
 }
 
@@ -196,7 +196,7 @@ fn angular_velocities_and_derivatives_give_hermites_polynomials() {
             assert!(close(got, DMat3::from_quat(q(s)).transpose(), tolerance), "{kind} at {s} s");
         }
         // Hermite's need what is not there.
-        assert_eq!(kind == "QUATERNION", notes(&file).contains("Lagrange's instead"), "{}", notes(&file));
+        assert_eq!(kind == "QUATERNION", notes(&file).contains("Lagrange is used instead"), "{}", notes(&file));
     }
 }
 
@@ -337,15 +337,15 @@ fn all_that_is_wrong_is_told_with_its_line() {
     );
     let error = parsed(&text).unwrap_err().to_string();
     for told in [
-        ":14:1: INTERPOLATION stands twice",
-        ":17:1: has the time of the row before it",
-        ":18:1: is earlier than the row before it",
-        ":19:1: 2 numbers behind the time, where 3 or 6 or 9 are expected",
+        ":14:1: INTERPOLATION is given twice",
+        ":17:1: has the same time as the previous row",
+        ":18:1: is earlier than the previous row",
+        ":19:1: 2 numbers after the time; expected 3 or 6 or 9",
         ":20:25: `x` is not a finite number",
         ":21:1: \"2026-07-01T00:04:60\" is not a time",
         ":22:1: \"2026-07-01T00:05:00Z\" ends in Z",
         ":23:25: `inf` is not a finite number",
-        ":24:1: `nonsense` has no place here",
+        ":24:1: `nonsense` is unexpected here",
     ] {
         assert!(error.contains(told), "{told} is not in\n{error}");
     }
@@ -356,7 +356,7 @@ fn all_that_is_wrong_is_told_with_its_line() {
         (oem(span, ""), ":4:1: has no rows"),
         (oem(span, "2026-07-01T00:00:00 1 2 3\n2026-07-01T00:11:00 1 2 3\n"), ":14:1: lies after STOP_TIME"),
         (oem(span, "2026-07-01T00:00:00 1 2 3\n2026-07-01T00:01:00 1 2 3 4 5 6\n"), ":14:1: has a velocity"),
-        (oem(&format!("{span}INTERPOLATION = SPLINE\n"), row), "`SPLINE` is not a way to interpolate"),
+        (oem(&format!("{span}INTERPOLATION = SPLINE\n"), row), "`SPLINE` is not an interpolation method"),
         (
             oem(&format!("{span}INTERPOLATION = LAGRANGE\nINTERPOLATION_DEGREE = -1\n"), row),
             ":13:1: `-1` is not a degree",
@@ -368,27 +368,27 @@ fn all_that_is_wrong_is_told_with_its_line() {
         (oem(span, row).replace("STOP_TIME = 2026", "STOP_TIME = 2025"), "stops before it starts"),
         (oem(span, row).replace("2.0", "two"), ":1:1: `two` is not a version"),
         (oem(span, row).replace("META_STOP\n", ""), "META_STOP: it may be cut off"),
+        (oem(span, rows).replace("CENTER_NAME = PHOBOS\n", ""), ":4:1: this segment's metadata lacks CENTER_NAME"),
         (
-            oem(span, rows).replace("CENTER_NAME = PHOBOS\n", ""),
-            ":4:1: the metadata of this segment do not say CENTER_NAME",
+            oem(span, rows).replace("OBJECT_NAME = MMX\n", "OBJECT_NAME =\n"),
+            ":5:1: this segment's metadata lacks OBJECT_NAME",
         ),
-        (oem(span, rows).replace("OBJECT_NAME = MMX\n", "OBJECT_NAME =\n"), ":5:1: the metadata"),
         (oem(span, rows).replace("REF_FRAME = EME2000", "REF_FRAME"), ":8:1: `REF_FRAME` is not of the form"),
         ("CCSDS_OEM_VERS = 2.0\n".into(), ":1:1: holds no segment"),
-        (quaternion("2026-07-01T00:00:00 0.6 0.0 0.6 0.6\n"), ":12:1: a quaternion of length 1.039230"),
-        (quaternion("2026-07-01T00:00:00 0 0 0 0\n"), "a quaternion of length 0.000000"),
-        (quaternion("2026-07-01T00:00:00 1e300 1e300 0 0\n"), "a quaternion of length inf"),
-        (quaternion("2026-07-01T00:00:00 0 0 1\n"), ":12:1: 3 numbers behind the time, where 4 are expected"),
+        (quaternion("2026-07-01T00:00:00 0.6 0.0 0.6 0.6\n"), ":12:1: quaternion of length 1.039230"),
+        (quaternion("2026-07-01T00:00:00 0 0 0 0\n"), "quaternion of length 0.000000"),
+        (quaternion("2026-07-01T00:00:00 1e300 1e300 0 0\n"), "quaternion of length inf"),
+        (quaternion("2026-07-01T00:00:00 0 0 1\n"), ":12:1: 3 numbers after the time; expected 4"),
         (
             quaternion("2026-07-01T00:00:00 0 0 0 1\n").replace("DATA_STOP\n", ""),
             ":11:1: the file ends before DATA_STOP",
         ),
-        (quaternion("2026-07-01T00:00:00 0 0 0 1\n").replace("2.0", "1.0"), "do not say ATTITUDE_DIR"),
+        (quaternion("2026-07-01T00:00:00 0 0 0 1\n").replace("2.0", "1.0"), "lacks ATTITUDE_DIR"),
         (
             aem("2.0", "ATTITUDE_TYPE = EULER_ANGLE\nEULER_ROT_SEQ = 311\n", rows),
             ":10:1: `311` is not a sequence of axes",
         ),
-        (aem("2.0", "ATTITUDE_TYPE = EULER_ANGLE\n", rows), "do not say EULER_ROT_SEQ"),
+        (aem("2.0", "ATTITUDE_TYPE = EULER_ANGLE\n", rows), "lacks EULER_ROT_SEQ"),
         (aem("2.0", "ATTITUDE_TYPE = MATRIX\n", rows), ":9:1: `MATRIX` is not a type of attitude"),
         ("<ndm></ndm>".into(), "a.oem:1:1 ndm: holds neither <oem> nor <aem>"),
         ("<oem version='2.0'><body/></oem>".into(), "holds no segment"),
@@ -426,20 +426,23 @@ fn what_is_taken_otherwise_is_told() {
     let covariance = "COVARIANCE_START\nEPOCH = 2026-07-01T00:00:00\n1e-4\nCOVARIANCE_STOP\n";
     let linear = "INTERPOLATION = LINEAR\n";
     for (text, told) in [
-        (oem(span, positions), "INTERPOLATION, which is missing: Lagrange's polynomials of degree 7"),
-        (oem(span, states), "INTERPOLATION, which is missing: Hermite's polynomials of degree 7"),
-        (oem(span, positions), ":4:1: its polynomials go through 8 rows, and there are 2: all of them are used"),
-        (oem(&format!("{span}{hermite}"), positions), ":12:1: Hermite's polynomials need velocities"),
+        (oem(span, positions), "INTERPOLATION, which is missing: Lagrange polynomials of degree 7"),
+        (oem(span, states), "INTERPOLATION, which is missing: Hermite polynomials of degree 7"),
+        (oem(span, positions), ":4:1: its polynomials need 8 rows, but there are 2: all are used"),
+        (oem(&format!("{span}{hermite}"), positions), ":12:1: Hermite polynomials need velocities"),
         (oem(&format!("{span}{linear}"), states), ":14:1: accelerations"),
         (oem(&format!("{span}{linear}"), &format!("{states}{covariance}")), ":16:1: covariances"),
-        (oem(&format!("{span}{linear}COLOUR = RED\n"), states), ":13:1: COLOUR is not known here"),
+        (oem(&format!("{span}{linear}COLOUR = RED\n"), states), ":13:1: COLOUR is not a known key"),
         (oem(linear, states), "START_TIME, which is missing: that of its rows, 2026-07-01T00:00:00"),
         (
             oem(&format!("{span}{linear}"), "2026-07-01T00:01:00 1 2 3\n"),
-            "from 2026-07-01T00:00:00 to 2026-07-01T00:10:00, but its rows reach from 2026-07-01T00:01:00 to",
+            "2026-07-01T00:00:00 to 2026-07-01T00:10:00, but its rows cover 2026-07-01T00:01:00 to",
         ),
         (oem(&format!("{span}INTERPOLATION = LAGRANGE\n"), states), ":12:1: INTERPOLATION_DEGREE, which is missing: 7"),
-        (aem("2.0", "ATTITUDE_TYPE = QUATERNION\n", "2026-07-01T00:00:00 0 0 0 1.00001\n"), "up to 1.0e-5 off 1"),
+        (
+            aem("2.0", "ATTITUDE_TYPE = QUATERNION\n", "2026-07-01T00:00:00 0 0 0 1.00001\n"),
+            "differ from 1 by up to 1.0e-5",
+        ),
     ] {
         let file = parsed(&text).expect(&text);
         assert!(notes(&file).contains(told), "{told} is not in\n{}", notes(&file));
@@ -459,7 +462,7 @@ fn what_is_taken_otherwise_is_told() {
         )
     };
     let file = parsed(&later("00:05:00")).unwrap();
-    assert!(notes(&file).contains(":16:1: holds at times at which one before it does too"), "{}", notes(&file));
+    assert!(notes(&file).contains(":16:1: overlaps an earlier segment"), "{}", notes(&file));
     let x = |at: &str| file.trajectories[0].1.state(time(at)).unwrap().unwrap().position_m.x;
     assert_eq!((x("2026-07-01T00:04:59 TDB"), x("2026-07-01T00:05:00 TDB")), (1000.0, 5000.0));
 }
@@ -484,14 +487,14 @@ fn tables_are_read() {
     );
     assert_eq!(notes(&one), "");
     for (from, to, told) in [
-        ("# centre = Phobos\n", "", "does not say about what its positions are"),
-        ("# epoch = 2026-07-01T00:00:00 UTC\n", "", "a.csv:2:1: since when seconds are counted is not said"),
+        ("# centre = Phobos\n", "", "`centre` is missing"),
+        ("# epoch = 2026-07-01T00:00:00 UTC\n", "", "a.csv:2:1: `seconds` needs an `epoch`"),
         ("UTC\nseconds", "\nseconds", "a.csv:2:11: "),
         ("seconds,", "when,", "a.csv:3:1: `when` is not a column of time"),
-        ("mmx_x_km", "mmx_x", "a.csv:3:9: `mmx_x` says no quantity with its unit"),
-        ("mmx_x_km", "mmx_y_m", "is there twice"),
-        ("mmx_x_km", "moon_x_km", "2 columns are the position of mmx, which takes 3"),
-        ("\n10,", "\n0,", "a.csv:5:1: is not later than the row before it"),
+        ("mmx_x_km", "mmx_x", "a.csv:3:9: `mmx_x` is not a known column"),
+        ("mmx_x_km", "mmx_y_m", "a.csv:3:17: duplicate column `mmx_y_km`"),
+        ("mmx_x_km", "moon_x_km", "mmx has 2 of the 3 position columns"),
+        ("\n10,", "\n0,", "a.csv:5:1: is not later than the previous row"),
         ("0.1,", "0.1,7,", "a.csv:5:1: 12 columns where the header has 11"),
         ("0.1", "?", "a.csv:5:7: `?` is not a finite number"),
         ("# epoch", "# fram = J2000\n# epoch", "did you mean `frame`?"),
@@ -524,9 +527,9 @@ fn tables_are_read_as_toml() {
     assert!(close(turned, DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y), 1e-15));
     for (from, to, told) in [
         ("epoch = \"2026-07-01T00:00:00 TDB\"\n", "", "needs either `time`"),
-        ("TDB\"\n[[row]]", "\"\n[[row]]", "has no scale of time"),
-        ("00:00:10", "00:00:00", "is not later than the row before it"),
-        ("{ MMX = [20, 1, 0] }", "{ SUN = [20, 1, 0] }", "does not have the same things as the first row"),
+        ("TDB\"\n[[row]]", "\"\n[[row]]", "has no time scale"),
+        ("00:00:10", "00:00:00", "is not later than the previous row"),
+        ("{ MMX = [20, 1, 0] }", "{ SUN = [20, 1, 0] }", "must list the same objects as the first row"),
         ("0.5, 0.5, 0.5, 0.5", "0.5, 0.5, 0.5, 0.7", "a.toml:7:"),
         ("centre = \"PHOBOS\"\n", "", "centre"),
         ("[20, 0, 0]", "[20, 0]", "a.toml:6:"),

@@ -305,7 +305,7 @@ fn a_window_of_a_distorted_image_is_a_part_of_it() {
     }
     let other = FrameCamera { samples: 25, ..with(&camera, SKEW) };
     let parts = crate::scenes::parts(mesh, other, sun(30.0, 0.0));
-    assert!(parts.check().unwrap_err().to_string().contains("no part of"));
+    assert!(parts.check().unwrap_err().to_string().contains("not part of"));
 }
 
 /// Keys of the sensor of [`crate::scenes::SQUARE`].

@@ -90,13 +90,13 @@ fn presets_know_what_they_take_at_once() {
 fn what_is_wrong_is_said_where_it_is() {
     let orbit = "orbit = \"qso-20x27\"";
     let cases: [(&[(&str, &str)], &str, &str); 18] = [
-        (&[("06:00:00 UTC", "06:00:00")], "epoch", "no scale of time"),
+        (&[("06:00:00 UTC", "06:00:00")], "epoch", "no time scale"),
         (&[("06:00:00 UTC", "06:00:60 UTC")], "epoch", "is not a time"),
         (&[("05-01T06:00:00", "06-30T23:59:60")], "epoch", "no leap second is known"),
         (&[("2027-05-01", "2027-02-29")], "epoch", "is not a time"),
         (&[("2027", "1960")], "epoch", "from 1972"),
-        (&[("2027", "2127")], "[flight]", "is not known"),
-        (&[(orbit, "")], "[flight]", "what carries the camera"),
+        (&[("2027", "2127")], "[flight]", "is unknown"),
+        (&[(orbit, "")], "[flight]", "the spacecraft is missing"),
         (&[(orbit, "spacecraft = \"MMX\"")], "[flight]", "MMX"),
         (&[(orbit, "orbit = \"qso-20x40\"")], "orbit", "qso-20x27"),
         (&[(orbit, "orbit = \"qso-2x3\"")], "orbit", "qso-2x3"),
@@ -105,7 +105,7 @@ fn what_is_wrong_is_said_where_it_is() {
         (&[(orbit, "orbit = \"qso-20x27\"\nframe = \"IAU_PLUTO\"")], "[flight]", "IAU_PLUTO"),
         (&[(orbit, "orbit = \"qso-20x27\"\nfiles = [\"none.bsp\"]")], "files", "no such file"),
         (&[("[mars]", "[mars]\nposition_m = [9376000.0, 0.0, 0.0]")], "position_m", "`flight` places this body too"),
-        (&[("[mars]", "[sun]\ndistance_au = 1.5\n[mars]")], "[sun]", "`flight` places the Sun too"),
+        (&[("[mars]", "[sun]\ndistance_au = 1.5\n[mars]")], "[sun]", "the Sun comes from `flight`"),
         (&[("samples = 8", "samples = 8\nkind = \"push_broom\"")], "[sensor]", "`period_s` is missing"),
         (
             &[(orbit, "orbit = \"qso-20x27\"\npointing = { target_m = [0, 0, 0], frame = \"J2000\" }")],
@@ -153,7 +153,7 @@ fn a_filters_cube_comes_with_its_displacement() {
     let (code, _, err) = run(&["solve", &scene, "-o", &table]);
     assert_eq!(code, 0, "{err}");
     let (code, _, err) = run(&["integrate", &scene, "--table", &table, "-o", &scratch.argument("by_table")]);
-    assert!(code == 0 && err.contains("light stands still"), "{err}");
+    assert!(code == 0 && err.contains("illumination is held fixed"), "{err}");
     let planes = std::fs::read(scratch.join("out/displacement.img")).unwrap();
     assert_eq!(planes.len(), 3 * 2 * 64 * 4);
     let value = |plane: usize, pixel: usize| {
@@ -188,7 +188,9 @@ fn a_file_that_ends_is_not_continued_roughly() {
     scratch.write("scene.toml", with("2.0"));
     let (code, _, err) = run(&["inspect", &scratch.argument("scene.toml")]);
     assert!(
-        code == 1 && err.contains("where SUN is about PHOBOS is not known") && err.contains("sun.oem knows"),
+        code == 1
+            && err.contains("the position of SUN relative to PHOBOS is unknown")
+            && err.contains("sun.oem covers"),
         "{err}"
     );
 }
@@ -256,8 +258,8 @@ fn a_camera_is_not_placed_by_what_is_rough() {
     scratch.write("scene.toml", replaced(FLYING, &[("orbit = \"qso-20x27\"", files)]));
     let scene = scratch.argument("scene.toml");
     let (code, _, err) = run(&["simulate", &scene, "-o", &scratch.argument("out")]);
-    assert!(code != 0 && err.contains("MMX is about PHOBOS is not known"), "{err}");
-    assert!(err.contains("no file says where PHOBOS is about MARS"), "{err}");
+    assert!(code != 0 && err.contains("position of MMX relative to PHOBOS is unknown"), "{err}");
+    assert!(err.contains("no file covers PHOBOS relative to MARS"), "{err}");
     // With it, all is known; and what tables do not say is said to be taken.
     let phobos = orbit.replace("mmx_", "phobos_").replace("9400,0,0", "9380,0,0").replace("9400,1,0", "9380,1,0");
     scratch.write("phobos.csv", phobos.replace("# degree = 1\n", ""));

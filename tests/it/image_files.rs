@@ -202,7 +202,7 @@ fn pixels_outside_of_the_data_window_are_not_known() {
     let (size, values, notes) = read(file([1, 1, 2, 2], [0, 0, 3, 3]));
     assert_eq!(size, [4, 4]);
     assert_eq!([values[5], values[6], values[9], values[10]], [1.0, 2.0, 3.0, 4.0]);
-    assert!(values.iter().filter(|v| v.is_nan()).count() == 12 && notes.contains("the others are no data"), "{notes}");
+    assert!(values.iter().filter(|v| v.is_nan()).count() == 12 && notes.contains("the others have no data"), "{notes}");
     // The image's own corner may be anywhere; what lies beyond it is cut off.
     let (size, values, notes) = read(file([10, -5, 11, -4], [11, -5, 12, -5]));
     assert!(

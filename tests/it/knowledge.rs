@@ -267,17 +267,17 @@ fn what_is_wrong_with_a_file_is_said_at_its_place() {
     scratch.write("scene.toml", crate::scenes::SITE);
     let scene = scratch.argument("scene.toml");
     for (text, at, what) in [
-        ("[attitude]\nsd_mrad = [0.1, 0.1, 0.1]\nsd_rad = [1, 1, 1]", ":3", "give one of"),
-        ("[attitude]\nsd_mrad = [0.1, -0.1, 0.1]", ":3", "not negative"),
-        ("[attitude]\ncovariance_mrad2 = [[1, 2, 0], [2, 1, 0], [0, 0, 1]]", ":3", "no covariance"),
+        ("[attitude]\nsd_mrad = [0.1, 0.1, 0.1]\nsd_rad = [1, 1, 1]", ":3", "only one of"),
+        ("[attitude]\nsd_mrad = [0.1, -0.1, 0.1]", ":3", "must not be negative"),
+        ("[attitude]\ncovariance_mrad2 = [[1, 2, 0], [2, 1, 0], [0, 0, 1]]", ":3", "positive semidefinite"),
         ("[position]\nsd_m = [1, 1, 1]\ncovariance_m2 = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]", ":4", "`sd_m`"),
         ("[position]\nbias_m = [1, 0, 0]", ":2", "axes = \"body\""),
         ("[clock]\nbias_s = 1", ":2", "[flight]"),
         ("[clock]\nsd_ms = 1", ":3", "sd_s"),
         ("[focal_length]\nbias = -1", ":3", "-1"),
-        ("[shape]\nunit_m = 1000", ":3", "goes with `mesh`"),
+        ("[shape]\nunit_m = 1000", ":3", "needs `mesh`"),
         ("[shape]\nmesh = \"gone.obj\"", "gone.obj", "no such file"),
-        ("[monte_carlo]\ndraws = 10", "known.toml", "states no error"),
+        ("[monte_carlo]\ndraws = 10", "known.toml", "states no uncertainty"),
         ("[attitude]\nsd_mrad = [nan, 0, 0]", ":3", ""),
     ] {
         let known = scratch.write("known.toml", format!("mmxrt_knowledge = 1\n{text}\n"));

@@ -293,7 +293,7 @@ const CASES: &[(&str, &str, &str, &str)] = &[
         "does not cover band 2",
     ),
     // observer and sensor
-    ("up = [0, 1, 0]", "up = [0, 0, 1]", ":19:6 observer.up", "the image has no top"),
+    ("up = [0, 1, 0]", "up = [0, 0, 1]", ":19:6 observer.up", "the image's top is undefined"),
     ("target_m = [0, 0, 10000]", "target_m = [0, 0, 20000]", ":18:12 observer.target_m", "is where the camera is"),
     (
         "target_m = [0, 0, 10000]\nup = [0, 1, 0]",

@@ -178,7 +178,7 @@ fn nothing_is_extrapolated() {
     let known = Span { start: moment(-90.0), end: moment(90.0) };
     let motion = steady(Some(known));
     let error = motion.day(moment(0.0)).unwrap_err().to_string();
-    assert!(error.contains("SUN") && error.contains("is not known"), "{error}");
+    assert!(error.contains("SUN") && error.contains("is unknown"), "{error}");
     let mut parts = ground(plane(10.0, 0.0), 0.0, 50.0, 96);
     parts.sky.past = Some(Past::new(&motion, motion.start));
     let scene = parts.check().unwrap();
@@ -245,7 +245,10 @@ fn a_scene_that_flies_knows_its_day() {
     scratch.write("sun.oem", oem);
     let short = replaced(&text, &[("orbit = ", "files = [\"sun.oem\"]\norbit = ")]);
     let error = read(&short).unwrap_err().to_string();
-    assert!(error.contains("nothing says how long that is; where SUN is about PHOBOS is not known"), "{error}");
+    assert!(
+        error.contains("nothing says how long that is; the position of SUN relative to PHOBOS is unknown"),
+        "{error}"
+    );
     assert!(error.contains("scene.toml:"), "{error}");
     let stated = replaced(&short, &[("inertia = 50", "inertia = 50\nperiod_s = 27553.84")]);
     let file = read(&stated).unwrap();
@@ -254,5 +257,5 @@ fn a_scene_that_flies_knows_its_day() {
     assert!(told.contains("the day before the scene is not known, so the Sun goes round steadily"), "{told}");
     // If nothing says that heat is conducted, that is no error.
     let file = read(&replaced(&short, &[("model = \"conduction\"\n", "")])).unwrap();
-    assert!(file.scene.sky.rotation.is_none() && file.notes.join("\n").contains("is not known"), "{:?}", file.notes);
+    assert!(file.scene.sky.rotation.is_none() && file.notes.join("\n").contains("is unknown"), "{:?}", file.notes);
 }

@@ -73,7 +73,7 @@ fn numpy_holds_the_numbers_and_the_rest_is_told() {
         "names of bands:",
         "unit: W m-2",
         "not carried over: map info",
-        "that -9 is no data",
+        "that -9 means no data",
     ] {
         assert!(out.contains(part), "{part:?} in {out}");
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mmxrt::formats::{
-    campaign_toml, instrument_toml, knowledge_toml, manifest_json, radiance_map, report_json, scene_toml,
+    campaign_toml, flight_table, instrument_toml, knowledge_toml, manifest_json, radiance_map, report_json, scene_toml,
 };
 
 #[test]
@@ -11,6 +11,7 @@ fn schemas_are_those_of_the_types() {
     let generated = [
         ("instrument.schema.json", instrument_toml::schema()),
         ("campaign.schema.json", campaign_toml::schema()),
+        ("flight.schema.json", flight_table::schema()),
         ("manifest.schema.json", manifest_json::schema()),
         ("knowledge.schema.json", knowledge_toml::schema()),
         ("map.schema.json", radiance_map::schema()),

@@ -76,7 +76,7 @@ fn lines_have_footprints_with_the_bodys_own_facets() {
     }
 }
 
-/// Under a sky that stands still a table of one moment is that of all.
+/// Under a sky that stands still a table of one epoch is that of all.
 #[test]
 fn a_given_table_serves_every_part() {
     for readout in [Readout::Band, Readout::Line, mirror()] {
@@ -94,7 +94,7 @@ fn a_given_table_serves_every_part() {
             let (a, b) = (solved.band(band), given.band(band));
             assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs() && *b > 0.0), "{readout:?}");
         }
-        assert!(observation.warnings.iter().any(|warning| warning.contains("of one moment")));
+        assert!(observation.warnings.iter().any(|warning| warning.contains("of one epoch")));
     }
 }
 
@@ -116,7 +116,7 @@ fn the_command_takes_tables_and_footprints_of_push_brooms() {
     scratch.write("scene.toml", replaced(&std::fs::read_to_string(&scene).unwrap(), &[("[1.0, 2.0, 3.0]", "[1.0]")]));
     let map = scratch.argument("m.csv");
     let (code, _, err) = run(&["integrate", &scene, "--radiance", &map, "-o", &out, "--force"]);
-    assert!(code == 0 && err.contains("of one moment"), "{err}");
+    assert!(code == 0 && err.contains("of one epoch"), "{err}");
     let cube = std::fs::read(scratch.join("out/cube.img")).unwrap();
     let values: Vec<f32> = cube.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
     assert!(values.len() == 12 && values.iter().all(|value| (value - 3.0).abs() < 1e-6), "{values:?}");
@@ -172,7 +172,7 @@ fn facets_have_the_radiance_of_maps_at_every_exposure() {
             }
         }
         assert_eq!((account.unknown_share, account.unknown_pixels), (0.0, 0));
-        assert!(observation.effects.is_empty() && observation.warnings.iter().any(|w| w.contains("of one moment")));
+        assert!(observation.effects.is_empty() && observation.warnings.iter().any(|w| w.contains("of one epoch")));
         assert_eq!(observation.backplanes.plane("MAP_COVERAGE").unwrap().values.len(), 24);
     }
 }
@@ -343,7 +343,7 @@ fn a_table_of_exposures_that_is_not_whole_says_so() {
     // A line is missing: nothing of backplanes can be said, but of a table alone that a second was left out.
     std::fs::write(&table, [rows[0], rows[1], rows[2], rows[4], ""].join("\n")).unwrap();
     let message = exposure_facts(&table).unwrap_err().to_string();
-    assert!(message.contains("has 4 lines, but exposures.csv 3 exposures"), "{message}");
+    assert!(message.contains("has 4 lines but exposures.csv has 3 exposures"), "{message}");
     std::fs::remove_file(scratch.join("backplanes.img")).unwrap();
     let facts = exposure_facts(&table).unwrap();
     assert!(facts.gaps.len() == 1 && facts.gaps[0].0 == 1 && (facts.gaps[0].1 - 2.0).abs() < 1e-6, "{facts:?}");
@@ -360,7 +360,7 @@ fn a_table_of_exposures_that_is_not_whole_says_so() {
     bad(rows[0].to_owned(), "has no rows");
     bad(format!("{},more\n{},1", rows[0], rows[1]), "the header is not");
     bad([rows[0], rows[2], rows[1]].join("\n"), "exposures.csv:3:");
-    bad([rows[0], rows[1], rows[1]].join("\n"), "moments must ascend");
+    bad([rows[0], rows[1], rows[1]].join("\n"), "times must ascend");
     bad([rows[0], &rows[1].replace("1,1,1,3,", "1,1,0,3,")].join("\n"), "first_band counts from 1");
     bad([rows[0], &rows[1].replace("1,1,1,3,", "1,1,4,3,")].join("\n"), "ends at 3, before it begins at 4");
     bad([rows[0], &rows[1].replace("1,1,1,3,", "1,1,1,3,,")].join("\n"), "18 cells of 17");
@@ -370,7 +370,7 @@ fn a_table_of_exposures_that_is_not_whole_says_so() {
         bad([rows[0], &cells.join(",")].join("\n"), "y_m is not a finite number");
         let cells: Vec<&str> =
             rows[1].split(',').enumerate().map(|(i, cell)| if i == 12 { "0.5" } else { cell }).collect();
-        bad([rows[0], &cells.join(",")].join("\n"), "not of length 1");
+        bad([rows[0], &cells.join(",")].join("\n"), "must have length 1");
     }
 }
 

@@ -134,12 +134,12 @@ fn a_scene_file_says_how_its_mirror_sweeps() {
     let since_s = |row: usize| rows[row][5].parse::<f64>().unwrap() - rows[1][5].parse::<f64>().unwrap();
     assert!((since_s(2) - 0.025).abs() < 1e-6 && (since_s(9) - 0.4).abs() < 1e-6);
     for (from, to, message) in [
-        ("lines = 4", "lines = 5", "no whole number of sweeps"),
+        ("lines = 4", "lines = 5", "not a whole number of sweeps"),
         ("period_s = 0.4\n", "", "needs `mirror`, and `period_s`"),
-        ("field_deg = 1.0", "field_deg = 0.0", "is no sweep"),
-        ("period_s = 0.4", "period_s = 0.4\ndistortion = { k1 = 0.1 }", "does not go with a whisk-broom"),
+        ("field_deg = 1.0", "field_deg = 0.0", "must not be 0"),
+        ("period_s = 0.4", "period_s = 0.4\ndistortion = { k1 = 0.1 }", "cannot be combined with a whisk-broom"),
         ("period_s = 0.4", "period_s = 0.4\nsmile_um = [0.1]", "goes with `kind` = \"push_broom\""),
-        ("\"whisk_broom\"", "\"push_broom\"", "goes with `kind` = \"whisk_broom\""),
+        ("\"whisk_broom\"", "\"push_broom\"", "needs `kind` = \"whisk_broom\""),
     ] {
         let error = simulated(with(from, to)).unwrap_err();
         assert!(error.contains(message), "{error}");

@@ -1,6 +1,7 @@
-//! A campaign file: many acquisitions of one scene, at other moments, and if it says so by other orbits, pointings and sensors.
+//! A campaign file: many acquisitions of one scene at different epochs, optionally with other orbits, pointings and
+//! sensors.
 //!
-//! The scene's surface is read once, and shared by all of them.
+//! The scene's surface is read once and shared.
 
 mod moments;
 mod types;
@@ -26,9 +27,9 @@ pub use moments::Acquisition;
 use moments::{Told, acquisitions};
 use types::{AcquisitionToml, CampaignToml, CoverageToml, OutputToml};
 
-/// So many ways to fly and look are kept at a time: each may hold kernels.
+/// Flight variants cached at a time: each may hold kernels.
 const VARIANTS: usize = 4;
-/// Keys of an entry that change the scene, in the order in which they are hashed.
+/// Keys of an entry that change the scene, in hashing order.
 const CHANGES: [&str; 6] = ["files", "orbit", "orbit_epoch", "pointing", "sensor", "spacecraft"];
 
 /// A campaign, with its scene.
@@ -38,22 +39,22 @@ pub struct Campaign {
     pub acquisitions: Vec<Acquisition>,
     /// The folder that the file names, if it does.
     pub folder: Option<PathBuf>,
-    /// How products are written.
+    /// Output options.
     pub options: ProductOptions,
-    /// By which models, and how well.
+    /// Models and tolerance.
     pub request: Request,
-    /// What counts as seen.
+    /// Coverage rule.
     pub rule: CoverageRule,
     /// The campaign file.
     pub input: InputFile,
     document: Document,
     template: Template,
     entries: Vec<Entry>,
-    /// The ways to fly and look that were made last, by what makes them.
+    /// Flight variants, most recent last, with the changes that made them.
     variants: Vec<(String, Variant)>,
 }
 
-/// What an entry of the file says of all its acquisitions.
+/// What an entry changes for all its acquisitions.
 #[derive(Debug)]
 struct Entry {
     toml: AcquisitionToml,
@@ -65,9 +66,9 @@ struct Entry {
 /// One acquisition, ready to be made.
 #[derive(Debug, Clone)]
 pub struct Look {
-    /// A name for all that what it sees depends on: BLAKE3, 64 hexadecimal digits.
+    /// Id of everything its sightings depend on: BLAKE3, 64 hexadecimal digits.
     pub sights_id: String,
-    /// A name for all that its product depends on.
+    /// Id of everything its product depends on.
     pub product_id: String,
     variant: Variant,
 }
@@ -130,7 +131,7 @@ impl Campaign {
         })
     }
 
-    /// The body that is looked at.
+    /// The target body.
     pub fn body(&self) -> &Body {
         &self.template.file.scene.body
     }
@@ -141,17 +142,17 @@ impl Campaign {
         motion.map_or_else(LeapSeconds::default, |(motion, _)| motion.almanac.leap.clone())
     }
 
-    /// The files that all acquisitions depend on: the scene file first. The campaign file itself is not among them.
+    /// The files that all acquisitions depend on, the scene file first. The campaign file is not among them.
     pub fn inputs(&self) -> &[InputFile] {
         &self.template.file.inputs
     }
 
-    /// Where the file says something of an item.
+    /// The place of an item in the file.
     pub fn at(&self, item: &str) -> Location {
         self.document.at(item)
     }
 
-    /// A name for what an acquisition is asked to be, without the files that its entry names.
+    /// Id of an acquisition's request, without the contents of the files that its entry names.
     pub fn entry_id(&self, acquisition: &Acquisition) -> String {
         let mut hasher = blake3::Hasher::new();
         let mut put = |bytes: &[u8]| {
@@ -169,10 +170,10 @@ impl Campaign {
         hasher.finalize().to_hex().to_string()
     }
 
-    /// An acquisition, with the names of what it depends on.
+    /// An acquisition, with its ids.
     ///
     /// # Errors
-    /// [`Error::Invalid`] with what is wrong with what its entry changes, at its place in the file; [`Error::Io`].
+    /// [`Error::Invalid`] with what is wrong with the entry's changes, at its place in the file; [`Error::Io`].
     pub fn look(&mut self, acquisition: &Acquisition) -> Result<Look> {
         let mut variant = self.variant(acquisition.entry)?;
         variant.motion.start = acquisition.epoch;
@@ -184,7 +185,7 @@ impl Campaign {
         Ok(Look { sights_id, product_id, variant })
     }
 
-    /// The scene of an acquisition, which its product is to be called by.
+    /// The scene of an acquisition; its id is the product's.
     ///
     /// # Errors
     /// [`Error::Invalid`] at the place in the file that states its moment, if where something is, is not known then; and for what cannot be seen so.
@@ -218,7 +219,7 @@ impl Campaign {
         }
     }
 
-    /// How an entry flies and looks.
+    /// The flight variant of an entry.
     fn variant(&mut self, entry: usize) -> Result<Variant> {
         let missing = || Error::invalid(self.document.at("acquisitions"), format!("has no entry {entry}"));
         let Entry { toml, changes, target_m } = self.entries.get(entry).ok_or_else(missing)?;
@@ -291,11 +292,7 @@ fn rule(toml: &CoverageToml, told: &mut Told<'_>) -> CoverageRule {
     let in_sunlight = toml.in_sunlight.unwrap_or(by_default.in_sunlight);
     let within_m = toml.within_m.clone().unwrap_or(by_default.within_m);
     if let Some(k) = (0..within_m.len()).find(|k| within_m[*k] <= 0.0 || (*k > 0 && within_m[*k] <= within_m[*k - 1])) {
-        told.tell(
-            &format!("coverage.within_m[{k}]"),
-            "samplings are above 0 and ascend",
-            "put them in order, each once",
-        );
+        told.tell(&format!("coverage.within_m[{k}]"), "must be positive and ascending", "sort them, without repeats");
     }
     CoverageRule {
         in_sunlight,
@@ -305,15 +302,15 @@ fn rule(toml: &CoverageToml, told: &mut Told<'_>) -> CoverageRule {
     }
 }
 
-/// Points of the ground that boresights follow.
+/// Ground targets of boresights.
 #[derive(Default)]
 struct Targets {
-    /// Made when a latitude and longitude is first asked for.
+    /// Made when first needed for a latitude and longitude.
     tree: Option<RayTree>,
 }
 
 impl Targets {
-    /// That of an entry, if it has one, from the body's centre along its axes, m.
+    /// The target of an entry, if it has one, from the body's centre in body axes, m.
     fn of(&mut self, toml: &AcquisitionToml, item: &str, body: &Body, told: &mut Told<'_>) -> Option<DVec3> {
         let target_m = match (toml.target_m, toml.latitude_deg, toml.longitude_deg) {
             (None, None, None) => return None,
@@ -330,14 +327,14 @@ impl Targets {
             }
             _ => {
                 let help = "give `target_m`, or `latitude_deg` and `longitude_deg`, or none of them";
-                told.tell(item, "does not say in one way what it looks at", help);
+                told.tell(item, "must give its target in exactly one way", help);
                 None
             }
         };
         let other =
             toml.pointing.as_ref().filter(|of| of.target_m.is_some() || of.frame.is_some() || of.fixed_in.is_some());
         if other.is_some() {
-            let message = "says what to look at, and so does the target: leave one of them out";
+            let message = "conflicts with the target: both say where to look; leave one out";
             told.tell(&format!("{item}.pointing"), message, "");
         }
         target_m

@@ -1,4 +1,4 @@
-//! When a campaign looks: the acquisitions of its entries, and their names.
+//! The epochs and names of a campaign's acquisitions.
 
 use std::collections::BTreeMap;
 
@@ -8,25 +8,25 @@ use crate::flight::{Epoch, LeapSeconds, Scale};
 use crate::formats::located::Document;
 use crate::geometry::whole;
 
-/// A campaign of more acquisitions is taken as a mistake.
+/// Most acquisitions of a campaign; more is taken as a mistake.
 const MOST: usize = 1_000_000;
-/// Longer names are refused, bytes: the file system adds to them.
+/// Longest name, bytes: the file system adds to it.
 const LONGEST: usize = 150;
 
 /// One acquisition of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Acquisition {
-    /// Its name, of which there is one in the campaign.
+    /// Its name, unique in the campaign.
     pub name: String,
-    /// When its first exposure begins.
+    /// Start of its first exposure.
     pub epoch: Epoch,
-    /// The entry that asks for it, from 0.
+    /// Its entry in the file, from 0.
     pub entry: usize,
-    /// The item of the file that states its moment.
+    /// The item that states its epoch.
     pub item: String,
 }
 
-/// Says what is wrong with items of a campaign.
+/// Collects problems with items of a campaign.
 pub(super) struct Told<'a> {
     pub(super) document: &'a Document,
     pub(super) problems: Vec<Problem>,
@@ -53,7 +53,7 @@ pub(super) fn acquisitions(
             told.tell(
                 &format!("{item}.name"),
                 format!("{:?} {why}", toml.name),
-                "it becomes a folder: give letters, digits, - and _",
+                "the name becomes a folder: use letters, digits, - and _",
             );
             continue;
         }
@@ -66,7 +66,7 @@ pub(super) fn acquisitions(
             Acquisition { name, epoch, entry, item }
         }));
     }
-    // On some systems names that differ in the case of letters are one file.
+    // On some systems file names ignore case.
     let mut names: BTreeMap<String, usize> = BTreeMap::new();
     for (i, acquisition) in all.iter().enumerate() {
         if let Some(first) = names.insert(acquisition.name.to_lowercase(), i) {
@@ -76,11 +76,11 @@ pub(super) fn acquisitions(
             } else {
                 format!("acquisitions[{}].name", acquisition.entry)
             };
-            let message = format!("a second acquisition is called {}, as that of {}", acquisition.name, first.item);
+            let message = format!("duplicate acquisition name {} (also at {})", acquisition.name, first.item);
             told.tell(
                 &item,
                 message,
-                "names are folders: give one of them another; moments of a series differ by 1 ms at least",
+                "names become folders: rename one; times in a series must differ by at least 1 ms",
             );
             break;
         }
@@ -88,19 +88,19 @@ pub(super) fn acquisitions(
     all
 }
 
-/// Why a name cannot be a folder's, if it cannot.
+/// Why a name cannot be a folder's, if so.
 fn no_name(name: &str) -> Option<String> {
     let is_plain = |c: char| c.is_alphanumeric() || "-_.+".contains(c);
     match name.chars().find(|c| !is_plain(*c)) {
-        _ if name.is_empty() => Some("is no name".into()),
+        _ if name.is_empty() => Some("is not a name".into()),
         _ if name.len() > LONGEST => Some(format!("is longer than {LONGEST} bytes")),
         _ if name.starts_with('.') || name.ends_with('.') => Some("begins or ends with a dot".into()),
-        Some(c) => Some(format!("has a {c:?} in it")),
+        Some(c) => Some(format!("contains {c:?}")),
         None => None,
     }
 }
 
-/// The moments of an entry, each with the item that states it, and whether it is a series.
+/// The epochs of an entry, each with the item that states it, and whether it is a series.
 fn moments(
     toml: &AcquisitionToml,
     item: &str,
@@ -126,7 +126,7 @@ fn moments(
             let of = |(k, text): (usize, &String)| parsed(format!("{item}.epochs[{k}]"), text);
             let epochs: Vec<(Epoch, String)> = epochs.iter().enumerate().map(of).collect::<Option<_>>()?;
             if let Some(two) = epochs.windows(2).find(|two| two[1].0 <= two[0].0) {
-                told.tell(&two[1].1, "is not after the one before it", "put them in the order of time, each once");
+                told.tell(&two[1].1, "is not later than the previous one", "sort by time, without repeats");
                 return None;
             }
             Some((epochs, true))
@@ -135,16 +135,16 @@ fn moments(
             let (first, last) = (parsed(key("start"), first), parsed(key("stop"), last));
             let ((first, _), (last, _)) = (first?, last?);
             if last < first {
-                told.tell(&key("stop"), "is before `start`: there is no moment between them", "exchange them");
+                told.tell(&key("stop"), "is before `start`", "exchange them");
                 return None;
             }
-            // By clocks on the ground, as epochs are written; the last one counts though its digits are rounded.
+            // Counted in TT, as UTC epochs are written; the last one is included despite rounding.
             let [first_s, last_s] = [first, last].map(|epoch| epoch.tt_s(leap));
             let rounding_s = 4.0 * f64::EPSILON * first_s.abs().max(last_s.abs());
             let steps = (last_s - first_s + rounding_s) / every_s;
             if steps >= most as f64 {
                 let message =
-                    format!("makes {} acquisitions, and a campaign has {MOST} at most", number(steps.floor() + 1.0));
+                    format!("makes {} acquisitions; a campaign has at most {MOST}", number(steps.floor() + 1.0));
                 told.tell(&key("every_s"), message, "give a longer step, in seconds");
                 return None;
             }
@@ -153,7 +153,7 @@ fn moments(
         }
         _ => {
             let help = "give one of: `epoch`; `offset_s`; `epochs`; `start`, `stop` and `every_s`";
-            told.tell(item, "does not say in one way when it is", help);
+            told.tell(item, "must give its time in exactly one way", help);
             None
         }
     }

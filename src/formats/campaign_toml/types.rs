@@ -15,15 +15,16 @@ pub(crate) struct CampaignToml {
     #[schemars(range(min = 1, max = 1))]
     #[allow(dead_code, reason = "the schema checks it")]
     pub(crate) mmxrt_campaign: u32,
-    /// The scene file that all are acquisitions of: its body, materials, models, orbit, pointing and instrument. It has a table `flight`.
+    /// The scene file of all acquisitions: body, materials, models, orbit, pointing and instrument. It must have a
+    /// table `flight`.
     pub(crate) scene: String,
-    /// What is acquired: single acquisitions, and series of them.
+    /// The acquisitions: single ones, and series.
     #[schemars(length(min = 1))]
     pub(crate) acquisitions: Vec<AcquisitionToml>,
     /// Where to, and what of each acquisition.
     #[serde(default)]
     pub(crate) output: OutputToml,
-    /// What counts as seen.
+    /// Coverage rule: what counts as seen.
     #[serde(default)]
     pub(crate) coverage: CoverageToml,
 }
@@ -32,39 +33,40 @@ pub(crate) struct CampaignToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct AcquisitionToml {
-    /// Its name: its product's folder. Of a series the beginning of all names; the moment follows, as in `map_2027-05-01T06-00-00.000` (UTC).
+    /// Name of its product's folder. For a series the common beginning; the epoch follows, e.g.
+    /// `map_2027-05-01T06-00-00.000` (UTC).
     pub(crate) name: String,
-    /// When its first exposure begins, as "2027-05-01T06:00:00 UTC"; scales are UTC, TAI, TT, TDB and GPS.
+    /// Start of its first exposure, e.g. "2027-05-01T06:00:00 UTC"; time scales are UTC, TAI, TT, TDB and GPS.
     pub(crate) epoch: Option<String>,
-    /// The same, s after `flight.epoch` of the scene; below 0: before it.
+    /// The same, s after the scene's `flight.epoch`; may be negative.
     pub(crate) offset_s: Option<f64>,
-    /// Of a series: its moments, one after the other.
+    /// For a series: its epochs, ascending.
     #[schemars(length(min = 1))]
     pub(crate) epochs: Option<Vec<String>>,
-    /// Of a series: its first moment, ...
+    /// For a series: its first epoch, ...
     pub(crate) start: Option<String>,
-    /// ... when it ends: an acquisition that begins then is its last, ...
+    /// ... its end (included), ...
     pub(crate) stop: Option<String>,
     /// ... and the time from one to the next, s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) every_s: Option<f64>,
-    /// A point of the body that the boresight follows, from its centre along its axes, m. The top of the image is as `pointing` says.
+    /// Target point, from the body's centre in body axes, m. The image's up direction is as `pointing` says.
     pub(crate) target_m: Option<[f64; 3]>,
     /// The same by its planetocentric latitude, deg, ...
     #[schemars(range(min = -90, max = 90))]
     pub(crate) latitude_deg: Option<f64>,
-    /// ... and longitude east, deg: of the surface there, the outermost if there is more than one.
+    /// ... and east longitude, deg, on the outermost surface there.
     #[schemars(range(min = -360, max = 360))]
     pub(crate) longitude_deg: Option<f64>,
     /// Where the camera looks, instead of the scene's `flight.pointing`.
     pub(crate) pointing: Option<PointingToml>,
-    /// Files of flight dynamics instead of the scene's `flight.files`.
+    /// Flight-dynamics files, instead of the scene's `flight.files`.
     pub(crate) files: Option<Vec<String>>,
-    /// What carries the camera, by its name in the files, instead of the scene's `flight.spacecraft` or `flight.orbit`.
+    /// The spacecraft, by its name in the files, instead of the scene's `flight.spacecraft` or `flight.orbit`.
     pub(crate) spacecraft: Option<String>,
     /// An orbit by name instead of the scene's `flight.orbit` or `flight.spacecraft`.
     pub(crate) orbit: Option<String>,
-    /// When that orbit is on the line from Phobos to Mars. Default: as in the scene.
+    /// Epoch at which that orbit crosses the line from Phobos to Mars. Default: as in the scene.
     pub(crate) orbit_epoch: Option<String>,
     /// The camera, instead of all of the scene's `sensor`.
     pub(crate) sensor: Option<SensorToml>,
@@ -74,11 +76,11 @@ pub(crate) struct AcquisitionToml {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct OutputToml {
-    /// The folder of the campaign, which is made if it is not there; `--output` overrides it.
+    /// The campaign's folder, created if missing; `--output` overrides it.
     pub(crate) folder: Option<String>,
     /// Which effects are modelled: `auto` (the default), `thesis`, `full`, or a list, as `--model` of `mmxrt simulate` has it.
     pub(crate) model: Option<String>,
-    /// The largest error of a pixel that all that is left out may add up to. Default 0.001.
+    /// Largest total error of a pixel by everything left out. Default 0.001.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) tolerance: Option<f64>,
     /// Precision of the cube's numbers. Default "f32".
@@ -176,13 +178,14 @@ impl From<QuantityToml> for product::Quantity {
 pub(crate) struct CoverageToml {
     /// Whether only what is in sunlight counts. Default true.
     pub(crate) in_sunlight: Option<bool>,
-    /// Emission up to which a facet counts as seen, deg. Default 90.
+    /// Largest emission angle at which a facet counts as seen, deg. Default 90.
     #[schemars(range(min = 0, max = 90))]
     pub(crate) most_emission_deg: Option<f64>,
-    /// Incidence up to which it does, deg. Default 90; 180 if the dark counts as well.
+    /// Largest incidence angle at which it does, deg. Default 90; 180 if the dark counts as well.
     #[schemars(range(min = 0, max = 180))]
     pub(crate) most_incidence_deg: Option<f64>,
-    /// Samplings, m, of which the manifest says how much of the surface is seen so finely. Default 1, 2, 5, 10, 20, 50 and 100.
+    /// Pixel sizes on the ground, m, at which the manifest reports how much of the surface is seen at least that
+    /// finely. Default 1, 2, 5, 10, 20, 50 and 100.
     #[schemars(length(max = 100))]
     pub(crate) within_m: Option<Vec<f64>>,
 }

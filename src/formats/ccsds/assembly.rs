@@ -8,7 +8,7 @@ use crate::formats::flight_file::FlightFile;
 use crate::formats::input::InputFile;
 use crate::report::Fate;
 
-/// Keys that segments of both kinds have.
+/// Metadata keys of both kinds of segments.
 const COMMON: [&str; 9] = [
     "OBJECT_NAME",
     "OBJECT_ID",
@@ -21,16 +21,16 @@ const COMMON: [&str; 9] = [
     "INTERPOLATION_DEGREE",
 ];
 
-/// What all messages hold.
+/// The trajectories and orientations of all messages.
 ///
 /// # Errors
-/// `Unsupported` for versions, scales of time and attitudes that are not read; `Invalid` with all that is wrong.
+/// `Unsupported` for versions, time scales and attitudes that are not read; `Invalid` with all that is wrong.
 pub(super) fn file<'a>(messages: &[Message<'a>], mut reading: Reading<'a>, input: InputFile) -> Result<FlightFile> {
     let (mut trajectories, mut orientations, mut scale) = (Vec::new(), Vec::new(), None);
     for message in messages {
         check_version(message, &mut reading)?;
         if message.blocks.is_empty() {
-            reading.wrong(message.version.at, "holds no segment: metadata, and rows behind them");
+            reading.wrong(message.version.at, "holds no segment: metadata, then rows");
         }
         for block in &message.blocks {
             let own = if message.kind == Kind::Oem { orbit::KEYS } else { attitude::KEYS };
@@ -67,7 +67,7 @@ pub(super) fn file<'a>(messages: &[Message<'a>], mut reading: Reading<'a>, input
     })
 }
 
-/// Adds an orbit: one that goes on with the one before it is its next segment.
+/// Adds an orbit; one that continues the previous one is its next segment.
 fn add_orbit(found: Option<orbit::Found>, all: &mut Vec<orbit::Found>, at: Place<'_>, reading: &mut Reading<'_>) {
     let Some((object, found)) = found else { return };
     let same = |last: &&mut orbit::Found| {
@@ -86,7 +86,7 @@ fn add_orbit(found: Option<orbit::Found>, all: &mut Vec<orbit::Found>, at: Place
     }
 }
 
-/// Adds an attitude: one that goes on with the one before it is its next turn.
+/// Adds an attitude; one that continues the previous one is its next segment.
 fn add_attitude(
     found: Option<attitude::Found>,
     all: &mut Vec<attitude::Found>,
@@ -108,13 +108,13 @@ fn add_attitude(
     }
 }
 
-/// Whether spans share more than a moment.
+/// Whether spans share more than an instant.
 fn overlap(a: Span, b: Span) -> bool {
     a.start < b.end && b.start < a.end
 }
 
 fn note_overlap(at: Place<'_>, reading: &mut Reading<'_>) {
-    reading.note(Fate::Approximated, at, "holds at times at which one before it does too: the later one is taken");
+    reading.note(Fate::Approximated, at, "overlaps an earlier segment: the later one is used");
 }
 
 /// The number before the point.
@@ -128,19 +128,19 @@ fn check_version(message: &Message<'_>, reading: &mut Reading<'_>) -> Result<()>
         Some(version) if (1..=message.kind.latest()).contains(&version) => Ok(()),
         Some(_) => Err(reading.unsupported(at, format!("version {value} of such a message"))),
         None => {
-            reading.wrong(at, format!("`{}` is not a version, as 2.0 is", shown(value)));
+            reading.wrong(at, format!("`{}` is not a version, e.g. 2.0", shown(value)));
             Ok(())
         }
     }
 }
 
-/// Tells of keys that stand twice, and of those that nothing knows.
+/// Reports keys that are given twice, and unknown ones.
 fn check_keys(block: &Block<'_>, own: &[&str], reading: &mut Reading<'_>) {
     for (i, entry) in block.meta.iter().enumerate() {
         if block.meta[..i].iter().any(|before| before.key.eq_ignore_ascii_case(entry.key)) {
-            reading.wrong(entry.at, format!("{} stands twice in the metadata of this segment", shown(entry.key)));
+            reading.wrong(entry.at, format!("{} is given twice in the metadata of this segment", shown(entry.key)));
         } else if !COMMON.iter().chain(own).any(|known| known.eq_ignore_ascii_case(entry.key)) {
-            reading.note(Fate::Dropped, entry.at, format!("{} is not known here", shown(entry.key)));
+            reading.note(Fate::Dropped, entry.at, format!("{} is not a known key", shown(entry.key)));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Segments of an AEM: how a frame B is turned in a frame A.
+//! Segments of an AEM: the orientation of a frame B relative to a frame A.
 //!
 //! With Q = (q1, q2, q3, qc), qc the scalar, and the direction A to B, the matrix
 //!
@@ -12,7 +12,7 @@
 //! Version 1 says in which order components stand (QUATERNION_TYPE) and which way they turn (ATTITUDE_DIR); version 2 always has the
 //! scalar last and turns from A to B, unless a file says otherwise.
 //!
-//! Euler's angles stand in the order of their axes in EULER_ROT_SEQ, and each turns axes: M = R_k(third) R_j(second) R_i(first).
+//! Euler angles stand in the order of their axes in EULER_ROT_SEQ, and each turns axes: M = R_k(third) R_j(second) R_i(first).
 
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ use crate::flight::{Attitudes, Between, Orientation, Scale, Turn, Turning, frame
 use crate::formats::flight_file::{MOST_OFF, Object};
 use crate::report::Fate;
 
-/// Keys of an AEM's metadata besides those that an OEM has too.
+/// Metadata keys of an AEM beyond those shared with an OEM.
 pub(super) const KEYS: &[&str] = &[
     "REF_FRAME_A",
     "REF_FRAME_B",
@@ -38,9 +38,9 @@ pub(super) const KEYS: &[&str] = &[
     "INTERPOLATION_METHOD",
 ];
 
-/// One whose length is nearer to 1 is taken as it is: that of the product of two rounded ones.
+/// Quaternions whose length is nearer to 1 are used as they are: the length of a product of two rounded ones.
 const EXACT: f64 = 4.0 * f64::EPSILON;
-/// More than what is rounded to 7 digits may be off is told; less is how text is written.
+/// Larger deviations of the length from 1 than 7-digit rounding are reported.
 const TOLD: f64 = 1e-8;
 
 const QUATERNION: [Column; 4] = [column("Q1", "", 0), column("Q2", "", 0), column("Q3", "", 0), column("QC", "", 0)];
@@ -50,7 +50,7 @@ const VELOCITY: [Column; 3] =
     [column("ANGVEL_X", "deg/s", 0), column("ANGVEL_Y", "deg/s", 0), column("ANGVEL_Z", "deg/s", 0)];
 const ANGLES: [Column; 3] =
     [angle("ANGLE_1", "rotation1"), angle("ANGLE_2", "rotation2"), angle("ANGLE_3", "rotation3")];
-/// Rates of angles, which are not used.
+/// Euler angle rates, which are not used.
 const RATES: [Column; 3] = [
     Column { names: ["ANGLE_1_DOT", "rotation1"], unit: "", power: 0 },
     Column { names: ["ANGLE_2_DOT", "rotation2"], unit: "", power: 0 },
@@ -75,7 +75,7 @@ enum Given {
     Angles([usize; 3], Option<[Column; 3]>),
 }
 
-/// The orientation of one segment; `None` if any of it cannot be used, which has been told.
+/// The orientation of one segment; `None` if any of it is unusable, which has been reported.
 ///
 /// # Errors
 /// [`Unsupported`](crate::Error::Unsupported) for a spinning object.
@@ -118,7 +118,7 @@ pub(super) fn orientation<'a>(
         Given::WithVelocity => from_velocity(block, &rows, &rotation, [base, frame], is_from_a, reading),
         _ => derivative,
     };
-    // What is read turns axes from A to B; components along A are carried along B by the inverse.
+    // The file's rotation turns axes from A to B; components along A transform by the inverse.
     let turned = |q: DQuat| if is_from_a { q.conjugate() } else { q };
     let frame_from_base: Vec<DQuat> = rotation.into_iter().map(turned).collect();
     let derivative: Vec<DVec4> = derivative.into_iter().map(|q| DVec4::from(turned(DQuat::from_vec4(q)))).collect();
@@ -144,7 +144,7 @@ pub(super) fn orientation<'a>(
     Ok(span.is_some().then_some((object, orientation)))
 }
 
-/// What the rows hold, by the type that the metadata name.
+/// The rows' contents, by ATTITUDE_TYPE.
 fn given<'a>(block: &Block<'a>, reading: &mut Reading<'a>) -> Result<Option<Given>> {
     let Some(entry) = reading.needed(block, "ATTITUDE_TYPE") else { return Ok(None) };
     let name: String = entry.value.split_whitespace().collect::<Vec<_>>().join("_").to_ascii_uppercase();
@@ -183,12 +183,12 @@ fn axes<'a>(block: &Block<'a>, reading: &mut Reading<'a>) -> Option<[usize; 3]> 
     let axes = axes.and_then(|axes| <[usize; 3]>::try_from(axes).ok());
     let axes = axes.filter(|[first, second, third]| first != second && second != third);
     if axes.is_none() {
-        reading.wrong(entry.at, format!("`{}` is not a sequence of axes, as 321 or ZXZ are", shown(entry.value)));
+        reading.wrong(entry.at, format!("`{}` is not a sequence of axes, e.g. 321 or ZXZ", shown(entry.value)));
     }
     axes
 }
 
-/// Whether a key has the first of two words; where it is not said, the first in new versions.
+/// Whether a key has the first of two words; the default is the first in new versions.
 fn word<'a>(
     block: &Block<'a>,
     key: &str,
@@ -202,7 +202,7 @@ fn word<'a>(
     };
     let found = words.iter().position(|word| word.eq_ignore_ascii_case(entry.value));
     if found.is_none() {
-        reading.wrong(entry.at, format!("{key} is {} or {}, not `{}`", words[0], words[1], shown(entry.value)));
+        reading.wrong(entry.at, format!("{key} must be {} or {}, not `{}`", words[0], words[1], shown(entry.value)));
     }
     found.map(|i| i == 0)
 }
@@ -222,12 +222,12 @@ impl Given {
 /// Rotations of axes from angles in degrees.
 fn of_angles(rows: &Rows<'_>, axes: [usize; 3]) -> Vec<DQuat> {
     let turn = |axis: usize, angle_deg: f64| DQuat::from_axis_angle(DVec3::AXES[axis], angle_deg.to_radians());
-    // Turned axes are turned further about themselves: the first stands on the left.
+    // Rotations are intrinsic: the first one is leftmost.
     let of = |angles: &Vec<f64>| turn(axes[0], angles[0]) * turn(axes[1], angles[1]) * turn(axes[2], angles[2]);
     rows.values.iter().map(|angles| of(angles).normalize()).collect()
 }
 
-/// Quaternions of unit length, and their derivatives if the rows have them.
+/// Normalised quaternions, and their derivatives if the rows have them.
 fn of_quaternions<'a>(
     block: &Block<'a>,
     rows: &Rows<'a>,
@@ -242,7 +242,7 @@ fn of_quaternions<'a>(
         let length = q.length();
         let off = (length - 1.0).abs();
         if off > MOST_OFF {
-            let message = format!("a quaternion of length {length:.6}, which is no rotation: it should be 1");
+            let message = format!("quaternion of length {length:.6}: must be 1");
             reading.wrong_with(*at, message, "check QUATERNION_TYPE and the columns, or divide it by its length");
         }
         most_off = most_off.max(off);
@@ -253,7 +253,7 @@ fn of_quaternions<'a>(
         }
     }
     if most_off > TOLD {
-        let message = format!("lengths of quaternions are up to {most_off:.1e} off 1: they are made 1");
+        let message = format!("quaternion lengths differ from 1 by up to {most_off:.1e}: they are normalised");
         reading.note(Fate::Approximated, block.at, message);
     }
     if given == Given::WithRates {

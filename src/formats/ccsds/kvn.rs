@@ -1,14 +1,14 @@
-//! Messages as lines of `KEY = value`.
+//! Messages as lines of `KEY = value` (KVN).
 
 use super::message::{Block, Entry, Kind, Message, Place, Reading, is_comment, shown};
 
-/// Where in a message a line stands.
+/// The part of a message a line belongs to.
 #[derive(Clone, Copy, PartialEq)]
 enum Part<'a> {
     Header,
     /// Within META_START and META_STOP; the line that began it.
     Meta(&'a str),
-    /// Rows that nothing ends but the next block.
+    /// Rows that end at the next block.
     Rows,
     /// Rows within DATA_START and DATA_STOP; the line that began them.
     Data(&'a str),
@@ -18,7 +18,7 @@ enum Part<'a> {
     Covariance(&'a str),
 }
 
-/// Takes a text apart.
+/// Parses a text.
 pub(super) fn message<'a>(text: &'a str, kind: Kind, reading: &mut Reading<'a>) -> Message<'a> {
     let beginning = Place::Text(text.trim_start().lines().next().unwrap_or_default());
     let version = Entry { key: "", value: "", at: beginning };
@@ -61,9 +61,8 @@ pub(super) fn message<'a>(text: &'a str, kind: Kind, reading: &mut Reading<'a>) 
                 part
             }
             _ => {
-                let message = format!("`{}` has no place here", shown(line));
-                let help =
-                    "metadata stand between META_START and META_STOP, and behind them rows that begin with a time";
+                let message = format!("`{}` is unexpected here", shown(line));
+                let help = "metadata belong between META_START and META_STOP, followed by rows that begin with a time";
                 reading.wrong_with(Place::Text(line), message, help);
                 part
             }
@@ -80,7 +79,7 @@ pub(super) fn message<'a>(text: &'a str, kind: Kind, reading: &mut Reading<'a>) 
     message
 }
 
-/// A key and its value, without a unit behind a number.
+/// A key and its value, without the unit after a number.
 fn entry<'a>(line: &'a str, reading: &mut Reading<'a>) -> Option<Entry<'a>> {
     let Some((key, value)) = line.split_once('=') else {
         reading.wrong(Place::Text(line), format!("`{}` is not of the form KEY = value", shown(line)));

@@ -1,4 +1,4 @@
-//! A message as keys, values and rows that know where they stand, whether it was text or XML.
+//! A message as keys, values and rows with their places, from KVN or XML.
 
 use std::path::Path;
 
@@ -19,11 +19,11 @@ pub(super) enum Kind {
     Aem,
     /// Several messages, as XML.
     Ndm,
-    /// Something else: its name, and what it is.
+    /// Another kind: its name, and a description.
     Other(&'static str, &'static str),
 }
 
-/// What is recognised.
+/// All recognised kinds.
 const KINDS: [(&str, Kind); 11] = [
     ("OEM", Kind::Oem),
     ("AEM", Kind::Aem),
@@ -43,7 +43,7 @@ impl Kind {
         KINDS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, kind)| *kind)
     }
 
-    /// The error for what is no ephemeris.
+    /// The error for what is not an ephemeris.
     pub(super) fn refused(self, at: Location) -> Error {
         let feature = match self {
             Kind::Other(name, what) => format!("a message of kind {name} ({what})"),
@@ -52,13 +52,13 @@ impl Kind {
         Error::Unsupported { at, feature }
     }
 
-    /// The latest version that is read.
+    /// Latest supported version.
     pub(super) fn latest(self) -> u32 {
         if self == Kind::Aem { 2 } else { 3 }
     }
 }
 
-/// What a file is by how it begins, and whether it is XML.
+/// The kind of a file by its beginning, and whether it is XML.
 pub(super) fn told(beginning: &[u8]) -> Option<(Kind, bool)> {
     // The name stands near the beginning, which may be cut within a character.
     let text = String::from_utf8_lossy(&beginning[..beginning.len().min(1 << 14)]);
@@ -91,7 +91,7 @@ pub(super) fn local(name: &str) -> &str {
     name.rsplit(':').next().unwrap_or(name)
 }
 
-/// Where something stands: a part of the text, or an element.
+/// A place: a part of the text, or an element.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Place<'a> {
     Text(&'a str),
@@ -112,7 +112,7 @@ pub(super) struct Block<'a> {
     pub(super) at: Place<'a>,
     pub(super) meta: Vec<Entry<'a>>,
     pub(super) rows: Vec<Place<'a>>,
-    /// Where its covariances begin, if it has any.
+    /// The place of its covariances, if any.
     pub(super) covariance: Option<Place<'a>>,
 }
 
@@ -127,7 +127,7 @@ pub(super) struct Message<'a> {
     pub(super) blocks: Vec<Block<'a>>,
 }
 
-/// A column of numbers: its name in XML, another that older versions have, its unit (empty: whatever), and the power of ten that brings it to m.
+/// A column of numbers: its XML name, an older alternative, its unit (empty: any), and the power of ten to m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Column {
     pub(super) names: [&'static str; 2],
@@ -135,7 +135,7 @@ pub(super) struct Column {
     pub(super) power: i32,
 }
 
-/// Something that is called the same in all versions.
+/// A column with the same name in all versions.
 pub(super) const fn column(name: &'static str, unit: &'static str, power: i32) -> Column {
     Column { names: [name, name], unit, power }
 }
@@ -146,7 +146,7 @@ impl<'a> Block<'a> {
     }
 }
 
-/// A text being read, and what has been found about it.
+/// A text being read, and the problems and notes found in it.
 pub(super) struct Reading<'a> {
     pub(super) path: &'a Path,
     text: &'a str,
@@ -191,12 +191,12 @@ impl<'a> Reading<'a> {
         let found = block.entry(key).filter(|entry| !entry.value.is_empty());
         if found.is_none() {
             let at = block.entry(key).map_or(block.at, |entry| entry.at);
-            self.wrong(at, format!("the metadata of this segment do not say {key}"));
+            self.wrong(at, format!("this segment's metadata lacks {key}"));
         }
         found
     }
 
-    /// A moment, in a scale.
+    /// An epoch in a time scale.
     pub(super) fn epoch(&mut self, text: &str, scale: Scale, at: Place<'_>) -> Option<Epoch> {
         if text.ends_with(['Z', 'z']) && scale != Scale::Utc {
             let message = format!("{text:?} ends in Z, which means UTC, but TIME_SYSTEM is {}", scale.name());
@@ -212,8 +212,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// The moment of a row and its numbers, each times the power of ten of its column: as many of the columns as there are, of which
-    /// `allowed` says how many may be.
+    /// The epoch of a row and its numbers, scaled by their columns; `allowed` gives the possible numbers of columns.
     pub(super) fn row(
         &mut self,
         row: Place<'a>,
@@ -250,7 +249,7 @@ impl<'a> Reading<'a> {
         if !allowed.contains(&count) {
             let numbers: Vec<String> = allowed.iter().map(usize::to_string).collect();
             let names: Vec<&str> = columns.iter().map(|column| column.names[0]).collect();
-            let message = format!("{count} numbers behind the time, where {} are expected", numbers.join(" or "));
+            let message = format!("{count} numbers after the time; expected {}", numbers.join(" or "));
             self.wrong_with(row, message, format!("the columns are {}", names.join(" ")));
             return None;
         }

@@ -1,12 +1,12 @@
-//! Messages of CCSDS: orbits (OEM, of the blue book 502.0, versions 1 to 3) and attitudes (AEM, 504.0, versions 1 and 2), as lines of
-//! `KEY = value` (KVN) or as XML (505.0).
+//! CCSDS messages: orbits (OEM, blue book 502.0, versions 1 to 3) and attitudes (AEM, 504.0, versions 1 and 2), as `KEY
+//! = value` lines (KVN) or XML (505.0).
 //!
-//! - Each segment is interpolated for itself, as it says. Where it does not: Hermite's polynomial of degree 7 if there are velocities,
+//! - Each segment is interpolated for itself, as it says. Where it does not: a Hermite polynomial of degree 7 if there are velocities,
 //!   otherwise Lagrange's; attitudes turn steadily from one to the next. The report says so.
 //! - It holds from USEABLE_START_TIME to USEABLE_STOP_TIME, or where it has none from START_TIME to STOP_TIME, but never beyond its own
 //!   lines. Where segments overlap, the later one of the file holds.
 //! - Accelerations and covariances are left out.
-//! - Attitudes are quaternions, alone or with their derivative or the angular velocity, or Euler's angles; `attitude.rs` has the conventions.
+//! - Attitudes are quaternions, alone or with their derivative or the angular velocity, or Euler angles; `attitude.rs` has the conventions.
 
 mod assembly;
 mod attitude;
@@ -29,7 +29,7 @@ use crate::flight::LeapSeconds;
 
 pub use write::{aem, ndm, oem};
 
-/// Longer files are refused, bytes.
+/// Largest file, bytes.
 const LIMIT: u64 = 256 << 20;
 
 /// Orbits, as text.
@@ -39,7 +39,7 @@ pub(super) static OEM: Format = Format {
     reads: "orbits: CCSDS OEM 1 to 3",
     writes: "the same, version 2",
     mark: &[],
-    // What is no ephemeris is refused by its name.
+    // Other kinds are refused by name.
     told: Some(|path, beginning| {
         matches!(message::told(beginning), Some((Kind::Oem | Kind::Other(..), false))).then(|| path.to_owned())
     }),
@@ -81,7 +81,7 @@ pub fn read(path: &Path, leap: &LeapSeconds) -> Result<FlightFile> {
 ///
 /// # Errors
 /// [`Error::Invalid`] with the lines that cannot be used; [`Error::Syntax`] where XML is not well formed; [`Error::Unsupported`] for
-/// messages of other kinds, versions and scales of time, and for attitudes of a spinning object.
+/// messages of other kinds, versions and time scales, and for attitudes of a spinning object.
 pub fn parse(text: &str, input: InputFile, leap: &LeapSeconds) -> Result<FlightFile> {
     let path = input.path.clone();
     let mut reading = Reading::new(&path, text, leap);

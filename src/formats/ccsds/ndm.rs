@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::formats::xml::Element;
 use crate::report::Fate;
 
-/// The messages of a document. Of an `<ndm>`, those that are no ephemerides are left out, and noted.
+/// The messages of a document. Of an `<ndm>`, those that are not ephemerides are left out, and noted.
 ///
 /// # Errors
 /// [`Unsupported`](crate::Error::Unsupported) if none is an ephemeris.

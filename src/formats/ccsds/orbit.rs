@@ -8,7 +8,7 @@ use crate::flight::{Interpolation, Nodes, Path, Scale, Segment, Trajectory, body
 use crate::formats::flight_file::Object;
 use crate::report::Fate;
 
-/// Keys of an OEM's metadata besides those that an AEM has too.
+/// Metadata keys of an OEM beyond those shared with an AEM.
 pub(super) const KEYS: &[&str] = &["REF_FRAME", "REF_FRAME_EPOCH", "INTERPOLATION"];
 
 /// Of km in m.
@@ -28,7 +28,7 @@ const COLUMNS: [Column; 9] = [
 /// A trajectory, and what the message calls the thing that moves.
 pub(super) type Found = (Object, Trajectory);
 
-/// The trajectory of one segment; `None` if any of it cannot be used, which has been told.
+/// The trajectory of one segment; `None` if any of it is unusable, which has been reported.
 pub(super) fn trajectory<'a>(block: &Block<'a>, scale: Scale, reading: &mut Reading<'a>) -> Option<Found> {
     let object = object(block, reading);
     let centre = reading.needed(block, "CENTER_NAME");
@@ -38,11 +38,11 @@ pub(super) fn trajectory<'a>(block: &Block<'a>, scale: Scale, reading: &mut Read
     }
     let rows = rows(block, &COLUMNS, &[3, 6, 9], scale, reading)?;
     let span = span(block, &rows, scale, reading);
-    // Rows may have accelerations or not, but velocities have all or none.
+    // Accelerations may be missing in some rows, velocities only in all.
     let has_velocities = rows.values[0].len() > 3;
     if let Some(i) = rows.values.iter().position(|values| (values.len() > 3) != has_velocities) {
         let (here, before) = if has_velocities { ("no velocity", "have one") } else { ("a velocity", "have none") };
-        reading.wrong(rows.at[i], format!("has {here}, where the rows before it {before}"));
+        reading.wrong(rows.at[i], format!("has {here}, but the previous rows {before}"));
     }
     let otherwise = Method::by_default(has_velocities);
     let method = method(block, "INTERPOLATION", ("velocities", has_velocities), otherwise, reading);

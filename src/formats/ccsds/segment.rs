@@ -1,4 +1,4 @@
-//! What orbits and attitudes have in common: what a segment is about, when it holds, how to go between its rows.
+//! What segments of orbits and attitudes share: subject, span and interpolation.
 
 use super::message::{Block, Column, Place, Reading, shown};
 use crate::flight::interpolation::MOST_NODES;
@@ -6,16 +6,16 @@ use crate::flight::{Epoch, Scale, Span};
 use crate::formats::flight_file::{Object, time_text};
 use crate::report::Fate;
 
-/// Degree of polynomials where a message does not say it.
+/// Default degree of polynomials.
 const DEGREE: usize = 7;
-/// What a segment is about.
+/// The subject of a segment.
 pub(super) fn object<'a>(block: &Block<'a>, reading: &mut Reading<'a>) -> Option<Object> {
     let name = reading.needed(block, "OBJECT_NAME")?.value.to_owned();
     let id = block.entry("OBJECT_ID").filter(|entry| !entry.value.is_empty());
     Some(Object { id: id.map_or(name.clone(), |id| id.value.to_owned()), name })
 }
 
-/// The rows of a segment, in the order of time.
+/// The rows of a segment, in order of time.
 #[derive(Default)]
 pub(super) struct Rows<'a> {
     pub(super) at: Vec<Place<'a>>,
@@ -36,9 +36,9 @@ pub(super) fn rows<'a>(
     for at in &block.rows {
         let Some((epoch, values)) = reading.row(*at, columns, allowed, scale) else { continue };
         match rows.epochs.last() {
-            Some(last) if *last == epoch => reading.wrong(*at, "has the time of the row before it"),
+            Some(last) if *last == epoch => reading.wrong(*at, "has the same time as the previous row"),
             Some(last) if *last > epoch => {
-                reading.wrong_with(*at, "is earlier than the row before it", "sort the rows of a segment by time");
+                reading.wrong_with(*at, "is earlier than the previous row", "sort the rows of a segment by time");
             }
             _ => {}
         }
@@ -47,13 +47,13 @@ pub(super) fn rows<'a>(
         rows.values.push(values);
     }
     if block.rows.is_empty() {
-        reading.wrong(block.at, "has no rows behind its metadata");
+        reading.wrong(block.at, "has no rows after its metadata");
     }
     let is_ascending = rows.epochs.windows(2).all(|two| two[0] < two[1]);
     (is_ascending && !rows.epochs.is_empty() && rows.epochs.len() == block.rows.len()).then_some(rows)
 }
 
-/// When a segment holds: where it says so, but not beyond its rows.
+/// The span of a segment: as declared, but not beyond its rows.
 pub(super) fn span<'a>(block: &Block<'a>, rows: &Rows<'a>, scale: Scale, reading: &mut Reading<'a>) -> Option<Span> {
     let (first, last) = (*rows.epochs.first()?, *rows.epochs.last()?);
     let mut bound = |key: &str| {
@@ -63,7 +63,7 @@ pub(super) fn span<'a>(block: &Block<'a>, rows: &Rows<'a>, scale: Scale, reading
     };
     let [start, stop, from, to] =
         ["START_TIME", "STOP_TIME", "USEABLE_START_TIME", "USEABLE_STOP_TIME"].map(&mut bound);
-    // Those that cannot be read have been told.
+    // Unreadable ones have been reported.
     let all_read = [start, stop, from, to].iter().flatten().all(|(epoch, _)| epoch.is_some());
     if !all_read {
         return None;
@@ -95,13 +95,13 @@ pub(super) fn span<'a>(block: &Block<'a>, rows: &Rows<'a>, scale: Scale, reading
         end: if useable.end > last { last } else { useable.end },
     };
     if useable.start > useable.end {
-        reading.wrong(block.at, "holds at no time: it stops before it starts");
+        reading.wrong(block.at, "stops before it starts");
     } else if span.start > span.end {
-        reading.wrong(block.at, "has no rows at the times at which it holds");
+        reading.wrong(block.at, "has no rows within its start and stop");
     } else if span != useable {
         let text = |epoch| time_text(epoch, scale, reading.leap);
         let message = format!(
-            "it says that it holds from {} to {}, but its rows reach from {} to {}: nothing is extrapolated",
+            "it declares {} to {}, but its rows cover {} to {}: nothing is extrapolated",
             text(useable.start),
             text(useable.end),
             text(first),
@@ -112,7 +112,7 @@ pub(super) fn span<'a>(block: &Block<'a>, rows: &Rows<'a>, scale: Scale, reading
     Some(span)
 }
 
-/// How to go between rows, with how many of them.
+/// The interpolation method, with its number of rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Method {
     Linear,
@@ -120,7 +120,8 @@ pub(super) enum Method {
     Hermite(usize),
 }
 
-/// What a segment says of interpolation. `slopes` are what Hermite's polynomial needs, if the rows have them: their name, and whether.
+/// The interpolation that a segment declares. `slopes` are the derivatives a Hermite polynomial needs: their name, and
+/// whether the rows have them.
 pub(super) fn method<'a>(
     block: &Block<'a>,
     key: &str,
@@ -141,9 +142,9 @@ pub(super) fn method<'a>(
     };
     let Some(entry) = block.entry(key) else {
         let taken = match otherwise {
-            Method::Linear => "a steady change from one to the next".to_owned(),
-            Method::Lagrange(_) => format!("Lagrange's polynomials of degree {DEGREE}"),
-            Method::Hermite(_) => format!("Hermite's polynomials of degree {DEGREE}"),
+            Method::Linear => "linear interpolation".to_owned(),
+            Method::Lagrange(_) => format!("Lagrange polynomials of degree {DEGREE}"),
+            Method::Hermite(_) => format!("Hermite polynomials of degree {DEGREE}"),
         };
         reading.note(Fate::Defaulted, block.at, format!("{key}, which is missing: {taken}"));
         return Some(within(otherwise, block.at, block, reading));
@@ -153,7 +154,7 @@ pub(super) fn method<'a>(
         return Some(within(Method::Linear, entry.at, block, reading));
     }
     if !["LAGRANGE", "HERMITE"].contains(&name.as_str()) {
-        let message = format!("`{}` is not a way to interpolate: LINEAR, LAGRANGE or HERMITE", shown(entry.value));
+        let message = format!("`{}` is not an interpolation method: LINEAR, LAGRANGE or HERMITE", shown(entry.value));
         reading.wrong(entry.at, message);
         return None;
     }
@@ -166,7 +167,7 @@ pub(super) fn method<'a>(
         "HERMITE" if has_slopes => Method::Hermite((degree.saturating_add(2) / 2).max(2)),
         "HERMITE" => {
             let message =
-                format!("Hermite's polynomials need {slopes}, which the rows do not have: Lagrange's instead");
+                format!("Hermite polynomials need {slopes}, which the rows do not have: Lagrange is used instead");
             reading.note(Fate::Approximated, entry.at, message);
             Method::Lagrange(degree.saturating_add(1))
         }
@@ -175,15 +176,15 @@ pub(super) fn method<'a>(
     Some(within(method, at, block, reading))
 }
 
-/// The method with no more rows than are of use.
+/// The method, limited to useful numbers of rows.
 fn within<'a>(method: Method, at: Place<'a>, block: &Block<'a>, reading: &mut Reading<'a>) -> Method {
     let (Method::Lagrange(wanted) | Method::Hermite(wanted)) = method else { return method };
     let rows = block.rows.len();
     if wanted > rows {
-        let message = format!("its polynomials go through {wanted} rows, and there are {rows}: all of them are used");
+        let message = format!("its polynomials need {wanted} rows, but there are {rows}: all are used");
         reading.note(Fate::Approximated, at, message);
     } else if wanted > MOST_NODES {
-        let message = format!("its polynomials go through {wanted} rows: {MOST_NODES} are used, as more lose digits");
+        let message = format!("its polynomials need {wanted} rows: {MOST_NODES} are used, because more lose digits");
         reading.note(Fate::Approximated, at, message);
     }
     let nodes = wanted.min(MOST_NODES);
@@ -194,7 +195,7 @@ fn within<'a>(method: Method, at: Place<'a>, block: &Block<'a>, reading: &mut Re
 }
 
 impl Method {
-    /// Polynomials of the degree that is taken where none is said: Hermite's through positions and velocities, or Lagrange's.
+    /// The default polynomials: Hermite through positions and velocities, or Lagrange.
     pub(super) fn by_default(has_slopes: bool) -> Self {
         if has_slopes { Method::Hermite(DEGREE.div_ceil(2)) } else { Method::Lagrange(DEGREE + 1) }
     }

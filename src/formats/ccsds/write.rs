@@ -1,7 +1,7 @@
-//! Messages written: version 2.0, of orbits and attitudes that are known at nodes, or at steps of time.
+//! Writes messages, version 2.0, of orbits and attitudes at their nodes or at regular steps.
 //!
-//! Numbers have all digits: what is read back has the same bits, and the same times. The same content gives the same text: who does not say
-//! when it was made (`FlightFile::made`) gets the day of J2000 for CREATION_DATE, and no clock is read.
+//! Numbers have all digits: reading back gives the same bits and times. The output is reproducible: without
+//! `FlightFile::made` CREATION_DATE is the day of J2000, and no clock is read.
 
 use std::fmt::Write as _;
 
@@ -17,11 +17,11 @@ use crate::formats::flight_file::{FlightFile, Object, time_text};
 use crate::formats::xml::Element;
 use crate::report::{Fate, Report};
 
-/// More rows in a segment are refused: a step that is far too small.
+/// Most rows in a segment: more means that the step is far too small.
 const MOST_ROWS: f64 = 1e7;
-/// CREATION_DATE and ORIGINATOR of what does not say them.
+/// Default CREATION_DATE and ORIGINATOR.
 const MADE: (&str, &str) = ("2000-01-01T00:00:00", "MMXRT");
-/// What the numbers of a state vector are, in the order of KVN.
+/// Names and units of a state vector, in KVN order.
 const STATE: [(&str, &str); 6] =
     [("X", "km"), ("Y", "km"), ("Z", "km"), ("X_DOT", "km/s"), ("Y_DOT", "km/s"), ("Z_DOT", "km/s")];
 const QUATERNION: [&str; 4] = ["Q1", "Q2", "Q3", "QC"];
@@ -45,7 +45,7 @@ struct Message<'a> {
 struct Writing<'a> {
     file: &'a FlightFile,
     leap: &'a LeapSeconds,
-    /// Time between rows, s; those that are there if it is not given.
+    /// Time between rows, s; `None`: the rows that are there.
     step_s: Option<f64>,
     report: Report,
 }
@@ -123,7 +123,7 @@ impl<'a> Writing<'a> {
         Ok((!segments.is_empty()).then_some(Message { kind: "OEM", file: self.file, segments }))
     }
 
-    /// The nodes of a part of a trajectory, all with velocities, which CCSDS demands.
+    /// The nodes of a segment, all with velocities, which CCSDS requires.
     fn nodes(&mut self, of: &Trajectory, span: Span, path: &Path) -> Result<Nodes> {
         let state = |epoch: Epoch| match path {
             Path::Nodes(nodes) => Ok(nodes.state(epoch)),
@@ -137,7 +137,7 @@ impl<'a> Writing<'a> {
             let mut nodes = nodes.clone();
             if nodes.velocity_m_s.len() < nodes.tdb_s.len() {
                 let message = format!(
-                    "velocities of {}, which are not given: those of the polynomials through its positions",
+                    "velocities of {} are not given: they are derived from the position polynomials",
                     of.target
                 );
                 self.report.note(Fate::Approximated, Location::file(&of.source), message);
@@ -156,16 +156,15 @@ impl<'a> Writing<'a> {
         })
     }
 
-    /// Moments from the first to the last of a span, at the step that is asked for.
+    /// Epochs over a span at the requested step.
     fn steps(&mut self, source: &str, name: &str, span: Span) -> Result<Vec<Epoch>> {
         let Some(step_s) = self.step_s else {
-            let problem =
-                Problem::new(Location::file(source), format!("does not know {name} at rows that can be written"));
-            return Err(Error::Invalid(vec![problem.with_help("say how far apart rows are to be: --step-s 60")]));
+            let problem = Problem::new(Location::file(source), format!("has no tabulated states for {name}"));
+            return Err(Error::Invalid(vec![problem.with_help("give the time between rows: --step-s 60")]));
         };
         let length_s = span.end.since_s(span.start);
         if length_s / step_s > MOST_ROWS {
-            let message = format!("{step_s} s is far too short for {length_s} s");
+            let message = format!("{step_s} s is too short for a span of {length_s} s");
             return Err(Error::invalid(Location::item("step"), message));
         }
         let message = format!("{name}: at steps of {step_s} s, and interpolated between them");
@@ -211,7 +210,7 @@ impl<'a> Writing<'a> {
         for (object, orientation) in &self.file.orientations {
             for turn in &orientation.turns {
                 let Some(span) = turn.span else {
-                    let message = format!("knows {} at all times: an AEM ends", orientation.frame);
+                    let message = format!("{} has no start or stop, which an AEM needs", orientation.frame);
                     return Err(Error::invalid(Location::file(&orientation.source), message));
                 };
                 let attitudes = self.rows_of(orientation, span, &turn.turning)?;
@@ -260,7 +259,7 @@ impl<'a> Writing<'a> {
         meta.push(("ATTITUDE_TYPE", kind.into()));
         meta.push(("INTERPOLATION_METHOD", method.into()));
         meta.push(("INTERPOLATION_DEGREE", attitudes.between.degree().to_string()));
-        // Q turns axes: its inverse carries components from A to B.
+        // Q turns axes: its inverse transforms components from A to B.
         let conjugate = |q: DVec4| [0.0 - q.x, 0.0 - q.y, 0.0 - q.z, q.w].map(|part| decimal::text(part, 0));
         let rows = attitudes.tdb_s.iter().zip(&attitudes.frame_from_base).enumerate().map(|(i, (tdb_s, q))| {
             let mut numbers = conjugate(DVec4::from(*q)).to_vec();
@@ -274,7 +273,7 @@ impl<'a> Writing<'a> {
         Epoch::from_tdb_s(tdb_s).map(|epoch| self.time(epoch)).unwrap_or_default()
     }
 
-    /// The scale of time and the moments of a segment: of its rows, and where it holds if that is less.
+    /// The time scale and the times of a segment: of its rows, and its usable span if shorter.
     fn times(&self, tdb_s: &[f64], span: Span) -> Vec<(&'static str, String)> {
         let (first, last) = (tdb_s.first().copied(), tdb_s.last().copied());
         let mut times = vec![("TIME_SYSTEM", self.file.scale.name().to_owned())];
@@ -293,7 +292,7 @@ fn frame(name: &str) -> String {
     if name == J2000 { "EME2000".into() } else { one_line(name) }
 }
 
-/// A name as it can stand in a line.
+/// A name as allowed in a line.
 fn one_line(name: &str) -> String {
     name.split_whitespace().collect::<Vec<_>>().join(" ")
 }

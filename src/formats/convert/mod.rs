@@ -661,7 +661,7 @@ impl Job<'_> {
             }
         };
         if *to == ENVI && ending(self.output) == "hdr" {
-            let message = "is a header's name: name the file of numbers, as .img";
+            let message = "is a header's name: name the file of numbers, e.g. .img";
             return Err(Error::invalid(Location::file(self.output), message));
         }
         let Options { data_type, image_bands, replace, .. } = self.options;

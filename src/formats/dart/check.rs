@@ -92,7 +92,7 @@ pub fn check(path: &Path, options: &ReadOptions, summary_of: SummaryOf<'_>) -> V
         Err(error) => return unreadable(error),
     };
     let missing = missing(&inputs);
-    // A date is no mistake: that its Sun is only nearly known here is for a conversion to say.
+    // A date is not a mistake: that its Sun is only nearly known here is for a conversion to say.
     let simulation = match read(path, options) {
         Ok((simulation, _, _)) => simulation,
         Err(error) => return [missing, unreadable(error)].concat(),

@@ -55,7 +55,7 @@ pub struct Database {
 
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 512 << 20;
-/// Tables with more columns or rows are no spectra.
+/// Tables with more columns or rows are not spectra.
 const MOST_COLUMNS: usize = 64;
 const MOST_ROWS: usize = 200_000;
 
@@ -107,7 +107,7 @@ impl Database {
 
     /// Reads all models.
     ///
-    /// The report lists tables that are no models, models that are named but missing, and reflectances that look
+    /// The report lists tables that are not models, models that are named but missing, and reflectances that look
     /// like fractions.
     ///
     /// # Errors
@@ -136,7 +136,7 @@ impl Database {
     /// Reads one model. The report lists reflectances that look like fractions.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if there is no such model; with all rows that cannot be used: what is no finite number or
+    /// [`Error::Invalid`] if there is no such model; with all rows that cannot be used: what is not a finite number or
     /// outside its range, wavelengths that do not ascend; for columns in another order than DART's.
     /// [`Error::Syntax`] for damage; [`Error::Unsupported`] for more rows or columns than a spectrum has.
     pub fn read(&self, model: &str) -> Result<(SpectralLibrary, Report)> {

@@ -119,7 +119,7 @@ const DISTANT: f64 = 5.0;
 /// scene's corner, with a margin of at most half a cell.
 ///
 /// # Errors
-/// [`Error::Invalid`] for a cell that is no length.
+/// [`Error::Invalid`] for a cell that is not a length.
 pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package, Report)> {
     let mut report = Report::default();
     let dart_from_body = frame::dart_from_body(scene.body.origin_m);

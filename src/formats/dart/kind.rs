@@ -204,7 +204,7 @@ impl DartTable {
         library.check()?;
         let given = || library.columns.iter().map(|c| c.name.as_str());
         let mut kind = TableKind::of(given());
-        // Columns beside a reflectance would stand where DART looks for transmittances; with those of RPV it is no Lambert surface.
+        // Columns beside a reflectance would stand where DART looks for transmittances; with those of RPV it is not a Lambert surface.
         let is_of_rpv = |name: &str| TableKind::Rpv.columns()[1..].iter().any(|column| same(column, name));
         let is_lambertian = library.column("reflectance").is_some() && !given().any(is_of_rpv);
         let foreign = |name: &&str| kind == TableKind::Other && is_lambertian && !is_percent(name);

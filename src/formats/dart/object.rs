@@ -48,7 +48,7 @@ pub(super) fn standing(object: &Object, obj: &ObjFile, facets: &[usize]) -> Mesh
 
 /// Whether what spans this, m, reaches beyond the edges of a scene of this size, m.
 pub(super) fn reaches_beyond((low_m, high_m): (DVec3, DVec3), [x, y]: [f64; 2]) -> bool {
-    // Rounding of a turn is no reach.
+    // Rounding of a turn is not a reach.
     let slack_m = 1e-9 * x.max(y);
     !(low_m.x >= -slack_m && low_m.y >= -slack_m && high_m.x <= x + slack_m && high_m.y <= y + slack_m)
 }

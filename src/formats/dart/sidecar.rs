@@ -364,7 +364,7 @@ impl Sidecar {
         Direction::new(DVec3::from_array(self.sun.below_horizon?))
     }
 
-    /// The Sun towards `direction`; `None` if its spectrum is no spectrum.
+    /// The Sun towards `direction`; `None` if its spectrum is not a spectrum.
     pub(super) fn sun(&self, direction: Direction) -> Option<Sun> {
         let irradiance_1au = match &self.sun.irradiance_1au {
             SunSpectrum::Named(name) => (name == "e490").then(|| solar_e490().clone())?,
@@ -454,7 +454,7 @@ impl Sidecar {
         }
     }
 
-    /// The camera's axes right, down, ahead as columns; `None` if they are no axes.
+    /// The camera's axes right, down, ahead as columns; `None` if they are not axes.
     pub(super) fn world_from_sensor(&self) -> Option<DMat3> {
         let axes = DMat3::from_cols_array_2d(&self.sensor.axes);
         let off = axes * axes.transpose() - DMat3::IDENTITY;

@@ -35,7 +35,7 @@ impl Store {
     /// Opens a file's bytes to read them; `path` is for messages.
     ///
     /// # Errors
-    /// [`Error::Syntax`] for what is no SQLite file, a cut off or a damaged one; [`Error::Unsupported`] for computed columns.
+    /// [`Error::Syntax`] for what is not a SQLite file, a cut off or a damaged one; [`Error::Unsupported`] for computed columns.
     pub(super) fn open(path: &Path, bytes: Vec<u8>) -> Result<Self> {
         Self::load(path, bytes, true)
     }
@@ -114,7 +114,7 @@ impl Store {
         let own = |name: &String| name.get(..7).is_some_and(|start| start.eq_ignore_ascii_case("sqlite_"));
         let names = names.into_iter().filter(|name| !own(name));
         let table = |name: String| {
-            // Not the names that a statement has: where they are no UTF-8, rusqlite panics.
+            // Not the names that a statement has: where they are not UTF-8, rusqlite panics.
             let columns = "SELECT name FROM pragma_table_xinfo(?1) ORDER BY cid";
             let columns: Vec<String> =
                 self.run(&item(&name), |c| c.prepare(columns)?.query_map([&name], |row| row.get(0))?.collect())?;
@@ -123,7 +123,7 @@ impl Store {
         names.map(table).collect()
     }
 
-    /// Two columns of text, as they come; what is no text is empty.
+    /// Two columns of text, as they come; what is not text is empty.
     ///
     /// # Errors
     /// [`Error::Syntax`] for a damaged file.

@@ -30,7 +30,7 @@ pub(super) fn digits_of(bytes: &[u8]) -> (i64, usize) {
     // Eight bytes at once: a loop over digits mispredicts its end at nearly every number, and half a file is numbers.
     if let Some(eight) = bytes.first_chunk::<8>() {
         let digits = u64::from_le_bytes(*eight) ^ 0x3030_3030_3030_3030;
-        // The lowest high bit marks the first byte that is no digit; what a carry does beyond it does not matter.
+        // The lowest high bit marks the first byte that is not a digit; what a carry does beyond it does not matter.
         let others = (digits.wrapping_add(0x7676_7676_7676_7676) | digits) & 0x8080_8080_8080_8080;
         let n = others.trailing_zeros() as usize / 8;
         if n == 0 {

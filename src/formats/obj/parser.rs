@@ -19,7 +19,7 @@ use crate::report::{Fate, Note, Report};
 
 /// Faces with more corners are refused: cutting ears off takes a time that grows with their square.
 const CORNERS: usize = 1000;
-/// As many kinds of statements are passed over by name: a file that is no OBJ at all must not fill the memory with its words.
+/// As many kinds of statements are passed over by name: a file that is not an OBJ at all must not fill the memory with its words.
 const IGNORED: usize = 20;
 
 /// What occurs, how often, and where first.

@@ -102,7 +102,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
         );
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
-    // A file that is no raster either is reported as such.
+    // A file that is not a raster either is reported as such.
     let raster = registry::image(path)?;
     let message = format!(
         "is a raster of {} x {} pixels and {} bands, but what its numbers are, and where they lie, is not known",

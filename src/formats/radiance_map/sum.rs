@@ -21,7 +21,7 @@ pub struct Summand {
 /// Reads `A+B*0.5`: paths and factors. A text that is an existing path is taken literally.
 ///
 /// # Errors
-/// [`Error::Invalid`] at the first map without a name, or with a weight that is no number.
+/// [`Error::Invalid`] at the first map without a name, or with a weight that is not a number.
 pub fn summands(text: &str) -> Result<Vec<Summand>> {
     if Path::new(text).exists() {
         return Ok(vec![Summand { path: text.into(), weight: 1.0 }]);

@@ -3,7 +3,7 @@
 /// What units may be, for people.
 pub(super) const KNOWN: &str = "units are W, m, sr and K with prefixes, a stroke or negative exponents: \"W m-2 sr-1 um-1\", \"W/m2/sr/um\", \
                                 \"W/(m^2 sr nm)\", \"uW cm-2 sr-1 nm-1\"; \"mW/(m2 sr cm-1)\" per wavenumber; \"W m-2 sr-1\" in a band; \"1\", \"%\", \
-                                \"K\"; a number stands before all of it, as in \"0.1 W/m2/sr/um\"";
+                                \"K\"; a number stands before all of it, e.g. \"0.1 W/m2/sr/um\"";
 
 /// Powers of W, m, sr and K, times a number and a power of ten.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,7 @@ const PREFIXES: [(&str, i32); 17] = [
     ("G", 9),
 ];
 
-/// A longer text is no unit, bytes.
+/// A longer text is not a unit, bytes.
 const LONGEST: usize = 255;
 
 impl Unit {

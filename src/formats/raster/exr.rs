@@ -139,7 +139,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
         if margins.leaves {
             let size = header.layer_size;
             let message = format!(
-                "{called}: holds {} x {} pixels, from column {} and row {}, of an image of {columns} x {rows}: the others are no data",
+                "{called}: holds {} x {} pixels, from column {} and row {}, of an image of {columns} x {rows}: the others have no data",
                 size.width(),
                 size.height(),
                 corner[0],

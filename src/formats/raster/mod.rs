@@ -1,6 +1,6 @@
 //! Rasters: images of one or many bands in the formats of other programs, read band by band.
 //!
-//! A band is f64, row by row, whatever the file stores; what the file says is no data is NaN. Of a file that interleaves its
+//! A band is f64, row by row, whatever the file stores; what the file marks as no data is NaN. Of a file that interleaves its
 //! bands, as many are read in one pass as fit in 256 MiB; no more of a file is in memory, except for those compressed as a whole:
 //! OpenEXR (see `exr.rs`).
 
@@ -287,7 +287,7 @@ impl Raster {
         if self.alpha.is_some()
             && let Some(coverage) = self.coverage()?
         {
-            // 0 / 0 is no data, and so is what shines without covering anything.
+            // 0 / 0 means no data, and so is what shines without covering anything.
             let divided = |value: f64, share: f64| if share > 0.0 { value / share } else { f64::NAN };
             values.iter_mut().zip(coverage).for_each(|(value, share)| *value = divided(*value, *share));
         }

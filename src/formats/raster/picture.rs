@@ -1,4 +1,4 @@
-//! PNG: grey or colours as shares of the largest number, as they are stored; no gamma is undone. What is transparent is no data.
+//! PNG: grey or colours as shares of the largest number, as they are stored; no gamma is undone. What is transparent means no data.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -20,7 +20,7 @@ use crate::formats::input;
 pub(in crate::formats) static PNG: Format = Format {
     name: "png",
     extensions: &["png"],
-    reads: "grey or colours, 0 to 1; transparent is no data",
+    reads: "grey or colours, 0 to 1; transparent means no data",
     writes: "",
     mark: marks::PNG,
     told: None,

@@ -35,7 +35,7 @@ fn cells(line: &str, separator: Option<char>) -> impl Iterator<Item = &str> {
     by_blanks.into_iter().flatten().chain(by_mark.into_iter().flatten())
 }
 
-/// A number; `nan`, or nothing between two commas, is no data.
+/// A number; `nan`, or nothing between two commas, means no data.
 fn number(cell: &str) -> Option<f64> {
     if cell.is_empty() { Some(f64::NAN) } else { fast_float2::parse(cell).ok() }
 }

@@ -248,7 +248,7 @@ impl Loss {
             report.note(Fate::Dropped, at(), message);
         } else if self.no_data > 0 && data_type.is_integer() && target == Target::Npy {
             let marker = raster.ignore.unwrap_or(f64::NAN);
-            report.note(Fate::Dropped, at(), format!("that {marker} is no data: the file has no place to say so"));
+            report.note(Fate::Dropped, at(), format!("that {marker} means no data: the file has no place to say so"));
         }
     }
 }

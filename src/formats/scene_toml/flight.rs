@@ -22,7 +22,7 @@ use crate::scene::{Mirror, Motion, Readout, Timing};
 const SPACECRAFT: &str = "SPACECRAFT";
 /// An orbit by name is known for so long before and after the scene, and what else it is looked at, s: ten days.
 const ORBIT_S: f64 = 864_000.0;
-/// Such moments farther away than this are left unknown, s: 400 days, after which an orbit that is computed is no spacecraft's.
+/// Such moments farther away than this are left unknown, s: 400 days, after which an orbit that is computed is not a spacecraft's.
 const MOST_ORBIT_S: f64 = 3.456e7;
 
 /// Moments are 0.12 us apart: of a shorter period that would be more than 1 %.
@@ -111,12 +111,12 @@ impl TomlReader<'_> {
     ) -> Option<String> {
         let Some(name) = &toml.orbit else {
             if toml.orbit_epoch.is_some() {
-                self.problem("flight.orbit_epoch", "goes with `orbit` alone");
+                self.problem("flight.orbit_epoch", "needs `orbit`");
                 return None;
             }
             let Some(spacecraft) = &toml.spacecraft else {
-                let help = "give `spacecraft`, a name that `files` know, or `orbit`, as \"qso-20x27\"";
-                self.helped("flight", "nothing says what carries the camera", help);
+                let help = "give `spacecraft`, a name in `files`, or `orbit`, e.g. \"qso-20x27\"";
+                self.helped("flight", "the spacecraft is missing", help);
                 return None;
             };
             return Some(body_name(spacecraft));
@@ -138,8 +138,7 @@ impl TomlReader<'_> {
         let span = Span { start: start.after_s(-before_s), end: start.after_s(after_s) };
         let spacecraft = toml.spacecraft.as_deref().unwrap_or(SPACECRAFT);
         if almanac.trajectories.iter().any(|of| of.target == almanac.names.body(spacecraft)) {
-            let message =
-                format!("`files` know where {spacecraft} is: leave `orbit` out, or give what flies it another name");
+            let message = format!("`files` already cover {spacecraft}: leave `orbit` out, or rename the spacecraft");
             self.problem("flight.orbit", message);
             return None;
         }
@@ -161,11 +160,11 @@ impl TomlReader<'_> {
         };
         let turned = toml.frame.is_some() || toml.fixed_in.is_some();
         if !turned && toml.frame_from_sensor_xyzw.is_some() {
-            self.problem(&item("frame_from_sensor_xyzw"), "goes with `frame` or `fixed_in`");
+            self.problem(&item("frame_from_sensor_xyzw"), "needs `frame` or `fixed_in`");
             return None;
         }
         if turned && toml.up.is_some() {
-            self.problem(&item("up"), "goes with a boresight that follows a point: an attitude says all");
+            self.problem(&item("up"), "`up` cannot be combined with `frame` or `fixed_in`");
             return None;
         }
         let aim = match (toml.target_m, &toml.frame, &toml.fixed_in) {
@@ -176,7 +175,7 @@ impl TomlReader<'_> {
             _ => {
                 self.problem(
                     "flight.pointing",
-                    "give one of `target_m`, `frame` and `fixed_in`, or none of them: nadir",
+                    "at most one of `target_m`, `frame` and `fixed_in` may be given (none: nadir)",
                 );
                 return None;
             }
@@ -203,11 +202,11 @@ impl TomlReader<'_> {
     fn jitter(&mut self, toml: &JitterToml) -> Option<Jitter> {
         let [low, high] = toml.band_hz;
         if !(0.0..=high).contains(&low) {
-            self.problem("flight.pointing.jitter.band_hz", format!("{low} to {high} Hz is no band of frequencies"));
+            self.problem("flight.pointing.jitter.band_hz", format!("{low} to {high} Hz: must be 0 <= low <= high"));
             return None;
         }
         if toml.rms_mrad.iter().any(|rms| *rms < 0.0) {
-            self.problem("flight.pointing.jitter.rms_mrad", "a root mean square is not negative");
+            self.problem("flight.pointing.jitter.rms_mrad", "must not be negative");
             return None;
         }
         let rms_rad = DVec3::from_array(toml.rms_mrad) * 1e-3;
@@ -221,12 +220,15 @@ impl TomlReader<'_> {
         let mars_m = has_mars.then(|| motion.seen_m("MARS", epoch)).transpose();
         let pose = motion.pose(epoch);
         if motion.almanac.is_rough("SUN", &motion.body) {
-            self.stated("flight", "where the Sun is: roughly, by mean elements of Mars; give files for more");
+            self.stated(
+                "flight",
+                "position of the Sun: approximate, by mean elements of Mars; give files for more accuracy",
+            );
         }
         if has_mars && motion.almanac.is_rough("MARS", &motion.body) {
             self.stated(
                 "flight",
-                "where Mars is: roughly, opposite to where the body's long axis points; give files for more",
+                "position of Mars: approximate, along the body's long axis; give files for more accuracy",
             );
         }
         let sun_m = self.known("flight", sun_m);
@@ -246,7 +248,7 @@ impl TomlReader<'_> {
             Some(KindToml::WhiskBroom) => return self.whisk_broom(toml, flies),
         };
         if toml.mirror.is_some() {
-            self.problem("sensor.mirror", "goes with `kind` = \"whisk_broom\"");
+            self.problem("sensor.mirror", "needs `kind` = \"whisk_broom\"");
             return None;
         }
         let poses = toml.exposure_poses.unwrap_or(0);
@@ -260,17 +262,14 @@ impl TomlReader<'_> {
         }
         if readout == Readout::Frame {
             if toml.period_s.is_some() {
-                self.problem(
-                    "sensor.period_s",
-                    "goes with `kind` = \"tunable_filter\", \"push_broom\" or \"whisk_broom\"",
-                );
+                self.problem("sensor.period_s", "needs `kind` = \"tunable_filter\", \"push_broom\" or \"whisk_broom\"");
                 return None;
             }
             return Some(Timing { readout, period_s: 0.0, exposure_s: toml.exposure_s.unwrap_or(0.0), poses });
         }
         if !flies {
-            let help = "or leave `kind` out: all of the image is then taken at once";
-            self.helped("sensor.kind", "needs `[flight]`, which says what moves meanwhile", help);
+            let help = "or leave `kind` out: the whole image is then taken at once";
+            self.helped("sensor.kind", "needs `[flight]`: the scene moves between exposures", help);
             return None;
         }
         let by_preset = preset.filter(|of| of.readout == readout).and_then(|of| Some((of.period_s?, of.name)));
@@ -282,7 +281,7 @@ impl TomlReader<'_> {
             return None;
         };
         if period_s < LEAST_PERIOD_S {
-            let message = format!("{period_s} s is shorter than moments can be told apart, some {LEAST_PERIOD_S:e} s");
+            let message = format!("{period_s} s is below the resolution of time, {LEAST_PERIOD_S:e} s");
             self.problem("sensor.period_s", message);
             return None;
         }
@@ -297,8 +296,8 @@ impl TomlReader<'_> {
     /// When a whisk-broom takes its samples.
     fn whisk_broom(&mut self, toml: &SensorToml, flies: bool) -> Option<Timing> {
         if !flies {
-            let help = "or leave `kind` out: all of the image is then taken at once";
-            self.helped("sensor.kind", "needs `[flight]`, which says what moves meanwhile", help);
+            let help = "or leave `kind` out: the whole image is then taken at once";
+            self.helped("sensor.kind", "needs `[flight]`: the scene moves between exposures", help);
             return None;
         }
         let (Some(mirror), Some(period_s)) = (toml.mirror, toml.period_s) else {
@@ -307,7 +306,7 @@ impl TomlReader<'_> {
             return None;
         };
         if toml.distortion.is_some() || toml.directions.is_some() {
-            let message = "does not go with a whisk-broom, whose elements look along the boresight";
+            let message = "cannot be combined with a whisk-broom, whose elements look along the boresight";
             self.problem(if toml.directions.is_some() { "sensor.directions" } else { "sensor.distortion" }, message);
             return None;
         }
@@ -317,20 +316,18 @@ impl TomlReader<'_> {
         };
         let elements = mirror.elements.unwrap_or(1);
         if elements == 0 || !lines.is_multiple_of(elements) {
-            let message = format!("{lines} lines are no whole number of sweeps of {elements}");
+            let message = format!("{lines} lines are not a whole number of sweeps of {elements}");
             self.problem("sensor.lines", message);
             return None;
         }
         let sample_s = mirror.active.unwrap_or(1.0) * period_s / f64::from(samples);
         if sample_s.is_nan() || sample_s < LEAST_PERIOD_S {
-            let message = format!(
-                "a sample of {sample_s} s is shorter than moments can be told apart, some {LEAST_PERIOD_S:e} s"
-            );
+            let message = format!("a sample of {sample_s} s is below the resolution of time, {LEAST_PERIOD_S:e} s");
             self.problem("sensor.period_s", message);
             return None;
         }
         if mirror.field_deg == 0.0 || !mirror.field_deg.is_finite() {
-            self.problem("sensor.mirror.field_deg", format!("{} deg is no sweep", mirror.field_deg));
+            self.problem("sensor.mirror.field_deg", format!("must not be 0: {}", mirror.field_deg));
             return None;
         }
         let exposure_s = toml.exposure_s.unwrap_or(sample_s);
@@ -359,7 +356,7 @@ impl TomlReader<'_> {
     /// What a scene says of the Sun, with the position that flight dynamics gives it.
     pub(super) fn sun_placed(&mut self, toml: &SunToml, placed: Option<&Placed>) -> Option<SunToml> {
         if toml.position_m.is_some() || toml.direction.is_some() || toml.distance_au.is_some() {
-            self.problem("sun", "`flight` places the Sun too: leave its position, direction and distance out");
+            self.problem("sun", "the Sun comes from `flight`: leave its position, direction and distance out");
             return None;
         }
         Some(SunToml { frame: None, position_m: Some(placed?.sun_m.to_array()), ..toml.clone() })

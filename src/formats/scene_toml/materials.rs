@@ -633,7 +633,7 @@ fn parts_first(parts: &[Vec<usize>]) -> Vec<usize> {
     }
 }
 
-/// What may have been meant by a name that is no entry.
+/// What may have been meant by a name that is not an entry.
 fn help_for(name: &str, entries: &[String]) -> String {
     let known: Vec<&str> = entries.iter().map(String::as_str).collect();
     match spelling::nearest(name, &known) {

@@ -64,7 +64,7 @@ use types::{Frame, MarsModelToml, MarsToml, ObserverToml, SceneToml, SunToml, Th
 
 /// Unit vectors and quaternions have length 1 to within this.
 const UNIT_TOLERANCE: f64 = 1e-9;
-/// What is farther off than this is no rounding: axes and quaternions of length 1, and shares that add up to 1.
+/// What is farther off than this is not rounding: axes and quaternions of length 1, and shares that add up to 1.
 const ROUNDED: f64 = 0.01;
 
 /// A scene and what its report should say about where it came from.
@@ -212,7 +212,7 @@ pub(super) struct TomlReader<'a> {
     problems: Vec<Problem>,
     defaults: Vec<Stated>,
     notes: Vec<String>,
-    /// Whether it is no scene file: its defaults are reported as notes.
+    /// Whether it is not a scene file: its defaults are reported as notes.
     is_beside_scene: bool,
     inputs: Vec<InputFile>,
     motion: Option<(Motion, Timing)>,

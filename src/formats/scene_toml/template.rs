@@ -108,7 +108,7 @@ impl Template {
             variant.chain = reader.sensor_chain(sensor, timing);
             if sensor.fit.is_some() {
                 let help = "give `ifov_mrad` or `fov_deg`";
-                reader.helped("sensor.fit", "an instrument does not become another one from look to look", help);
+                reader.helped("sensor.fit", "`fit` would change the field of view between acquisitions", help);
             }
             let is_slit = timing.is_some_and(|timing| timing.readout == Readout::Line);
             let pose = variant.exposure.camera.world_from_sensor;
@@ -164,7 +164,7 @@ impl Variant {
     /// Adds what a reader of its changes has to tell.
     fn add(mut self, reader: TomlReader<'_>) -> Result<Self> {
         let stated = reader.defaults.clone();
-        // The first is the file that changes the scene, which is no input of what it asks for.
+        // The first is the file that changes the scene, which is not an input of what it asks for.
         let (inputs, notes) = reader.finish()?;
         for input in inputs.into_iter().skip(1) {
             if !self.inputs.contains(&input) {

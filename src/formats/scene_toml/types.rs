@@ -145,7 +145,7 @@ pub(crate) struct MaterialToml {
     pub(crate) mixture: Option<BTreeMap<String, f64>>,
     /// Values of tables beyond their ends: unknown ("error", the default), or their last value ("hold").
     pub(crate) extend: Option<ExtendToml>,
-    /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance, with a model by direction; of a mixture, that of its parts by their shares.
+    /// Emissivity, 0 to 1: a number, or the path of a CSV table. Default 1 - reflectance, with a model by direction; for a mixture, that of its parts by their shares.
     pub(crate) emissivity: Option<Values>,
     /// Share of all sunlight that is not absorbed. Default: mean of the reflectance, weighted with the solar spectrum.
     pub(crate) bond_albedo: Option<f64>,
@@ -698,66 +698,66 @@ pub(crate) enum Top {
     Sun,
 }
 
-/// Where things are over time: from files, by a quasi-satellite orbit, or both. It says where the Sun, Mars (if there is a table `mars`), further
-/// bodies whose names it knows, and the camera are; their positions are then left out elsewhere.
+/// Trajectories and attitudes over time: from files, by a quasi-satellite orbit, or both. They place the Sun, Mars (if there is a table `mars`),
+/// further bodies that they cover, and the camera, whose positions are then left out elsewhere.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FlightToml {
-    /// When the (first) exposure is, as "2027-05-01T06:00:00 UTC"; scales are UTC, TAI, TT, TDB and GPS.
+    /// Start of the (first) exposure, e.g. "2027-05-01T06:00:00 UTC"; time scales are UTC, TAI, TT, TDB and GPS.
     pub(crate) epoch: String,
-    /// Paths of files: OEM, AEM, SPICE kernels and meta-kernels, tables. Of two that know the same, the later one holds. Mars about the Sun, and
-    /// Phobos and Deimos about Mars, are known roughly without (1800 to 2050: the Sun's direction to 0.02 deg, Mars' to 3 deg).
+    /// Paths of files: OEM, AEM, SPICE kernels and meta-kernels, tables. Where two overlap, the later one is used. Mars about the Sun, and Phobos and
+    /// Deimos about Mars, are known approximately without files (1800 to 2050: the Sun's direction to 0.02 deg, Mars' to 3 deg).
     #[serde(default)]
     pub(crate) files: Vec<String>,
-    /// The body that is looked at. Default "PHOBOS".
+    /// The target body. Default "PHOBOS".
     pub(crate) body: Option<String>,
-    /// Its own frame, in which the mesh does not move. Default: `IAU_` and its name.
+    /// Its body-fixed frame, in which the mesh does not move. Default: `IAU_` and its name.
     pub(crate) frame: Option<String>,
-    /// What carries the camera, by its name in the files; or `orbit`.
+    /// The spacecraft, by its name in the files; or `orbit`.
     pub(crate) spacecraft: Option<String>,
-    /// A quasi-satellite orbit about Phobos by its size in km, as "qso-20x27": qso-20x27, qso-22x31, qso-30x49, qso-50x94, qso-100x198 are the mission's, any
-    /// other size will do; "3d-qso-30x49x20" starts 20 km above the equator.
+    /// A quasi-satellite orbit about Phobos by its size in km, e.g. "qso-20x27". The mission's are qso-20x27, qso-22x31, qso-30x49, qso-50x94 and
+    /// qso-100x198; any other size will do. "3d-qso-30x49x20" starts 20 km above the equator.
     pub(crate) orbit: Option<String>,
-    /// When the orbit is on the line from Phobos to Mars. Default: at `epoch`.
+    /// Epoch at which the orbit crosses the line from Phobos to Mars. Default: `epoch`.
     pub(crate) orbit_epoch: Option<String>,
-    /// What light does on its way from Sun and bodies. Default "none": it arrives at once.
+    /// Light time and stellar aberration of the Sun and bodies. Default "none": neither.
     pub(crate) correction: Option<CorrectionToml>,
     /// Where the camera looks. Default: at the body's centre, north up.
     pub(crate) pointing: Option<PointingToml>,
 }
 
-/// What light does on its way.
+/// Light time and stellar aberration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum CorrectionToml {
-    /// It arrives at once.
+    /// Neither: geometric positions.
     None,
-    /// It takes time.
+    /// Light time.
     LightTime,
-    /// It takes time, and the body's velocity shifts from where it comes.
+    /// Light time, and stellar aberration by the body's velocity.
     LightTimeAndAberration,
 }
 
-/// Where the camera looks: at `target_m`, with a frame of an attitude file (`frame`), without turning in a frame (`fixed_in`), or at the body's centre.
+/// Where the camera looks: at `target_m`, by the attitude in a file (`frame`), fixed in a frame (`fixed_in`), or at the body's centre.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PointingToml {
-    /// A point of the body, from its centre along its axes, m, that the boresight follows.
+    /// Target point, from the body's centre in body axes, m.
     pub(crate) target_m: Option<[f64; 3]>,
-    /// A frame that an attitude file or kernel turns, as the spacecraft's.
+    /// A frame whose orientation an attitude file or kernel gives, e.g. the spacecraft's.
     pub(crate) frame: Option<String>,
-    /// A frame in which the camera does not turn, as "J2000" or "IAU_PHOBOS".
+    /// A frame in which the camera's attitude is fixed, e.g. "J2000" or "IAU_PHOBOS".
     pub(crate) fixed_in: Option<String>,
-    /// How the sensor stands in `frame` or `fixed_in`: unit quaternion (x, y, z, w) that carries sensor axes (x sample, y line, z boresight) into
-    /// those of the frame. Default: they are the same.
+    /// The sensor's mounting in `frame` or `fixed_in`: unit quaternion (x, y, z, w) from sensor axes (x sample, y line, z boresight) to those of the
+    /// frame. Default: identity.
     pub(crate) frame_from_sensor_xyzw: Option<[f64; 4]>,
-    /// What is at the top of the image, where the boresight follows a point: "north" (the default), "backward", "sun", or a direction, axes of the body.
+    /// The image's up direction, where the boresight follows a point: "north" (the default), "backward", "sun", or a direction in body axes.
     pub(crate) up: Option<UpToml>,
-    /// A steady turn about an axis of the sensor on top of that, as of a scan mirror.
+    /// A constant-rate rotation about a sensor axis, added to the above, e.g. of a scan mirror.
     pub(crate) scan: Option<ScanToml>,
-    /// A steady error about the sensor's axes, mrad.
+    /// A constant pointing error about the sensor's axes, mrad.
     pub(crate) bias_mrad: Option<[f64; 3]>,
-    /// An unsteady error.
+    /// A time-varying pointing error.
     pub(crate) jitter: Option<JitterToml>,
 }
 
@@ -867,19 +867,21 @@ pub(crate) enum ConventionToml {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SensorToml {
-    /// What is taken at once: "frame" (the default, unless a preset says otherwise and there is a table `flight`), all of the image; "tunable_filter", one band after the other; "push_broom", one line after the other.
+    /// What one exposure takes: "frame" (the default, unless a preset says otherwise and there is a table `flight`), the whole image;
+    /// "tunable_filter", one band after another; "push_broom", one line after another; "whisk_broom", one sample of a sweep after another.
     pub(crate) kind: Option<KindToml>,
-    /// From the beginning of a band, or of a line, to that of the next, s: of a sensor that does not take all at once.
+    /// Period from one band or line to the next, s, for a sensor that does not take the whole image at once; for a whisk-broom from sweep to sweep.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) period_s: Option<f64>,
-    /// Of a whisk-broom: how its mirror sweeps; `period_s` is from sweep to sweep.
+    /// For a whisk-broom: how its mirror sweeps; `period_s` is from sweep to sweep.
     pub(crate) mirror: Option<MirrorToml>,
-    /// Of a push-broom: smile, by how much the centres of bands are larger at a sample, um: coefficients of 1, u, u^2, ..., with u from -1 at the left border of the slit to 1
-    /// at the right one.
+    /// For a push-broom: smile, the shift of all band centres at a sample, um: coefficients of 1, u, u^2, ..., with u from -1 at the left border of
+    /// the slit to 1 at the right one.
     pub(crate) smile_um: Option<Vec<f64>>,
-    /// Of a push-broom: keystone, how many pixels farther to the right a band looks: coefficients of 1, w, w^2, ..., with w from -1 at the shortest centre to 1 at the longest.
+    /// For a push-broom: keystone, the shift of a band to the right, pixels: coefficients of 1, w, w^2, ..., with w from -1 at the shortest centre to
+    /// 1 at the longest.
     pub(crate) keystone_px: Option<Vec<f64>>,
-    /// For how long light is gathered, s. Default: all of `period_s`; of a whisk-broom all of a sample's time, of a frame camera 0.
+    /// Exposure time, s. Default: `period_s`; for a whisk-broom all of a sample's time, for a frame camera 0.
     #[schemars(range(min = 0))]
     pub(crate) exposure_s: Option<f64>,
     /// Poses of the camera that stand for its motion during an exposure, at even steps; with n of them a pixel at an edge is off by at most d / (8 n^2) of the contrast, d
@@ -1101,7 +1103,7 @@ pub(crate) struct BandsToml {
     /// Full width at half maximum, cm-1, of which that in um follows at each centre (times the wavelength squared, 1e-4): as of a tunable filter. Instead of `fwhm_um`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) fwhm_cm_1: Option<f64>,
-    /// Shape of responses that have a width: "gaussian" (the default), "box" or "sinc2" (of a tunable filter); one for all, or one for each. Where centres and
+    /// Shape of responses that have a width: "gaussian" (the default), "box" or "sinc2" (for a tunable filter); one for all, or one for each. Where centres and
     /// `response` are given, "table" stands for the next column of `response`, whose centre and width count then.
     pub(crate) shape: Option<ShapesToml>,
     /// Path of a CSV table of responses, or of several: `wavelength_nm` or `wavelength_um`, then a column for each band, relative or

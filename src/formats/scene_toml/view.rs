@@ -32,7 +32,7 @@ const SLANT: f64 = 1e-6;
 const TOLD: usize = 20;
 
 impl TomlReader<'_> {
-    /// The sensor, at a pose that is `None` if what is wrong with it has been reported; of a slit that is moved along, or of all of its lines at once.
+    /// The sensor, at a pose that is `None` if what is wrong with it has been reported; for a slit that is moved along, or of all of its lines at once.
     pub(super) fn exposure(
         &mut self,
         toml: &SensorToml,
@@ -181,10 +181,10 @@ impl TomlReader<'_> {
         let rotation = match (toml.target_m, toml.up, axes, toml.world_from_sensor_xyzw) {
             (Some(target_m), Some(up), (None, None, None), None) => {
                 let Some(u) = Direction::new(DVec3::from_array(target_m) - position_m) else {
-                    self.problem("observer.target_m", "is where the camera is: there is no direction to look in");
+                    self.problem("observer.target_m", "is where the camera is: the direction to it is undefined");
                     return None;
                 };
-                let help = "give a direction that is not along the line of sight, as [0, 0, 1] for north";
+                let help = "give a direction that is not along the line of sight, e.g. [0, 0, 1] for north";
                 self.upright("observer.up", u, DVec3::from_array(up), help)?
             }
             (None, None, (Some(h), Some(v), Some(u)), None) => self.axes([h, v, u].map(DVec3::from_array))?,
@@ -217,7 +217,7 @@ impl TomlReader<'_> {
             );
         }
         let Some(h) = across.filter(|_| off > ALONG).and_then(Direction::new) else {
-            self.helped(item, "has no length across the line of sight: the image has no top", help);
+            self.helped(item, "is along the line of sight: the image's top is undefined", help);
             return None;
         };
         Some(DMat3::from_cols(h.vec(), u.vec().cross(h.vec()), u.vec()))

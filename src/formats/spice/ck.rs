@@ -1,9 +1,9 @@
-//! CK: how spacecraft and instruments are turned. The layouts are those of NAIF's CK Required Reading.
+//! CK: orientations of spacecraft and instruments. The layouts are those of NAIF's CK Required Reading.
 //!
-//! Moments are ticks of the spacecraft's clock, which becomes TDB by its clock kernel. Nothing is interpolated over gaps: each interval
-//! that a segment knows is a part of the orientation. Between two attitudes the turn is steady in TDB, and in SPICE in ticks: where the clock's
-//! kernel changes its rate between the two, as it does some times a year, they differ by that share of the turn (some 1e-8), and where it jumps,
-//! by as much as the frame turns in the jump.
+//! Times are ticks of the spacecraft clock, converted to TDB by its clock kernel. Nothing is interpolated across gaps:
+//! each interval of a segment is a part of the orientation. We interpolate linearly in TDB, SPICE in ticks; they differ
+//! by about 1e-8 of the turn where the clock rate changes (a few times a year), and by the rotation during the jump
+//! where the clock jumps.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ use crate::flight::{Almanac, Attitudes, Between, Orientation, Span, Spin, Turn, 
 /// Numbers of a quaternion, w first.
 const QUATERNION: usize = 4;
 
-/// Numbers and whole numbers of a summary; two of the whole numbers are addresses.
+/// Doubles and integers of a summary; two of the integers are addresses.
 pub(super) const SUMMARY: (usize, usize) = (2, 6);
 
 /// Whether segments of a type are read.
@@ -37,9 +37,8 @@ pub(super) fn furnish(path: &Path, frames: &Frames, almanac: &mut Almanac) -> Re
         let at = daf.at(array.index);
         let (number, clock) = Clock::of_instrument(instrument, almanac)?;
         let Some(clock) = clock else {
-            let message = format!("counts ticks of clock {number}, of which no kernel is loaded");
-            let problem =
-                Problem::new(at, message).with_help("load the kernel of the spacecraft's clock (SCLK) before it");
+            let message = format!("is timed by clock {number}, whose SCLK kernel is not loaded");
+            let problem = Problem::new(at, message).with_help("add it to the files");
             return Err(Error::Invalid(vec![problem]));
         };
         let wrong = |message: String| Error::invalid(at.clone(), message);
@@ -76,10 +75,10 @@ fn rotation(of: &[f64]) -> std::result::Result<DQuat, String> {
     let q = DQuat::from_xyzw(of[1], of[2], of[3], of[0]);
     // Neither too small nor too large to be squared.
     let square = q.length_squared();
-    if square.is_normal() { Ok(q * square.sqrt().recip()) } else { Err("has a quaternion without length".into()) }
+    if square.is_normal() { Ok(q * square.sqrt().recip()) } else { Err("has a quaternion of length 0".into()) }
 }
 
-/// Only as long as the segment says that it holds, in ticks.
+/// Clips to the segment's coverage, in ticks.
 fn within(turns: Vec<Turn>, span: [f64; 2], clock: &Clock) -> std::result::Result<Vec<Turn>, String> {
     let [start, end] = span.map(|ticks| clock.tdb_s(ticks).and_then(epoch));
     let (start, end) = (start?, end?);
@@ -92,7 +91,7 @@ fn within(turns: Vec<Turn>, span: [f64; 2], clock: &Clock) -> std::result::Resul
     Ok(turns.into_iter().filter_map(cut).collect())
 }
 
-/// Type 1: attitudes at single ticks, each of which holds for half a tick before and after its own: SPICE too needs a tolerance to find one.
+/// Type 1: attitudes at single ticks, each valid half a tick before and after: SPICE too needs a tolerance to find one.
 fn single(words: &[f64], has_rates: bool, span: [f64; 2], clock: &Clock) -> std::result::Result<Vec<Turn>, String> {
     let size = if has_rates { QUATERNION + 3 } else { QUATERNION };
     let number = count(*words.last().ok_or("has too few words")?)?;
@@ -112,14 +111,15 @@ fn single(words: &[f64], has_rates: bool, span: [f64; 2], clock: &Clock) -> std:
     rows(records, size).zip(ticks).filter(|(_, tick)| (span[0]..=span[1]).contains(*tick)).map(turn).collect()
 }
 
-/// Type 2: intervals in each of which the turn is steady: its rate along the base's axes is in rad/s of a clock of so many seconds a tick.
+/// Type 2: intervals of constant rotation rate, along the base's axes, in rad/s of a clock with so many seconds per
+/// tick.
 fn spins(words: &[f64], clock: &Clock) -> std::result::Result<Vec<Turn>, String> {
     const SIZE: usize = QUATERNION + 4;
-    // For each interval its record and two moments, and the directory: n / 100 more.
+    // Per interval its record and two times; and the directory: n / 100 more.
     let number = (words.len().saturating_sub(1) / (SIZE + 2)..=words.len() / (SIZE + 2))
         .chain([(100 * words.len() + 99) / (100 * (SIZE + 2) + 1), 100 * words.len() / (100 * (SIZE + 2) + 1)])
         .find(|n| *n > 0 && n * (SIZE + 2) + (n - 1) / 100 == words.len())
-        .ok_or_else(|| format!("has {} words, which are no whole number of intervals", words.len()))?;
+        .ok_or_else(|| format!("has {} words, which are not a whole number of intervals", words.len()))?;
     let (records, rest) = words.split_at(number * SIZE);
     let (starts, rest) = rest.split_at(number);
     let ends = &rest[..number];
@@ -128,7 +128,7 @@ fn spins(words: &[f64], clock: &Clock) -> std::result::Result<Vec<Turn>, String>
         if end_s < start_s {
             return Err("has an interval that ends before it starts".into());
         }
-        // Seconds of the turn for one of TDB.
+        // Clock seconds per TDB second.
         let pace = if end_s > start_s { record[7] * (end - start) / (end_s - start_s) } else { 0.0 };
         let rate_rad_s = DVec3::new(record[4], record[5], record[6]) * pace;
         let since = epoch(start_s)?;
@@ -138,7 +138,7 @@ fn spins(words: &[f64], clock: &Clock) -> std::result::Result<Vec<Turn>, String>
     rows(records, SIZE).zip(starts).zip(ends).map(turn).collect()
 }
 
-/// Type 3: attitudes between which the turn is steady, within intervals of which the starts are told.
+/// Type 3: attitudes with constant rotation rate between them, within intervals whose starts are listed.
 fn attitudes(words: &[f64], has_rates: bool, clock: &Clock) -> std::result::Result<Vec<Turn>, String> {
     let size = if has_rates { QUATERNION + 3 } else { QUATERNION };
     let [intervals, number] = *words.last_chunk().ok_or("has too few words")?;
@@ -150,7 +150,7 @@ fn attitudes(words: &[f64], has_rates: bool, clock: &Clock) -> std::result::Resu
     let ticks = &rest[..number];
     let starts = &rest[number + directory(number)..][..intervals];
     if !ticks.is_sorted_by(|a, b| a < b) || !starts.is_sorted_by(|a, b| a < b) {
-        return Err("has ticks that are not in their order".into());
+        return Err("has ticks that do not ascend".into());
     }
     let rotations: Vec<DQuat> = rows(records, size).map(rotation).collect::<std::result::Result<_, _>>()?;
     let mut turns = Vec::new();
@@ -163,7 +163,7 @@ fn attitudes(words: &[f64], has_rates: bool, clock: &Clock) -> std::result::Resu
         let tdb_s: Vec<f64> =
             ticks[first..end].iter().map(|tick| clock.tdb_s(*tick)).collect::<std::result::Result<_, _>>()?;
         if !tdb_s.is_sorted_by(|a, b| a < b) {
-            return Err("has ticks that are the same moment, or not in the order of time, by its clock".into());
+            return Err("has ticks whose times do not ascend by its clock".into());
         }
         let span = Span { start: epoch(tdb_s[0])?, end: epoch(tdb_s[tdb_s.len() - 1])? };
         let attitudes = Attitudes {
@@ -177,10 +177,10 @@ fn attitudes(words: &[f64], has_rates: bool, clock: &Clock) -> std::result::Resu
     Ok(turns)
 }
 
-/// The records of some words, and what is behind them.
+/// Splits the words into records and what follows them.
 fn parts(words: &[f64], number: usize, size: usize, others: usize) -> std::result::Result<(&[f64], &[f64]), String> {
     match number.checked_mul(size).filter(|records| records.checked_add(others) == Some(words.len()) && number > 0) {
         Some(records) => Ok(words.split_at(records)),
-        None => Err(format!("says {number} attitudes, and has {} words", words.len())),
+        None => Err(format!("declares {number} attitudes but holds {} words: the file is damaged", words.len())),
     }
 }

@@ -6,9 +6,10 @@ use crate::flight::{Almanac, LeapSeconds, Pool};
 /// A clock of a spacecraft.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Clock {
-    /// (ticks since the clock's first partition began, s of the parallel time scale since J2000, s for each count of the first field).
+    /// (ticks since the first partition began; time in the parallel time scale, s since J2000; seconds per count of the
+    /// first field).
     pieces: Vec<[f64; 3]>,
-    /// Ticks of a count of the first field.
+    /// Ticks per count of the first field.
     ticks: f64,
     /// Ticks of all partitions.
     last: f64,
@@ -17,7 +18,7 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// The number of the clock that counts for an instrument, and that clock if its kernel is loaded.
+    /// The number of the clock that times an instrument, and that clock if its kernel is loaded.
     pub(super) fn of_instrument(instrument: i32, almanac: &Almanac) -> Result<(i32, Option<Self>)> {
         let named = almanac.pool.integer(&format!("CK_{instrument}_SCLK"))?;
         let number = named.unwrap_or(instrument / 1000);
@@ -42,44 +43,47 @@ impl Clock {
         let tt = match scale {
             None | Some(1) => None,
             Some(2) => Some(leap.clone()),
-            Some(_) => return Err(pool.wrong(&name("SCLK01_TIME_SYSTEM"), "is 1 (TDB) or 2 (TT)")),
+            Some(_) => return Err(pool.wrong(&name("SCLK01_TIME_SYSTEM"), "must be 1 (TDB) or 2 (TT)")),
         };
         let moduli = numbers("SCLK01_MODULI")?;
         let fields = pool.integer(&name("SCLK01_N_FIELDS"))?;
         if fields.is_some_and(|fields| usize::try_from(fields).ok() != Some(moduli.len())) {
-            return Err(pool.wrong(&name("SCLK01_MODULI"), "has not as many numbers as there are fields"));
+            return Err(pool.wrong(
+                &name("SCLK01_MODULI"),
+                &format!("must have {} numbers, as {} says", fields.unwrap_or_default(), name("SCLK01_N_FIELDS")),
+            ));
         }
         let ticks: f64 = moduli.iter().skip(1).product();
         if !(ticks >= 1.0 && ticks.is_finite()) {
-            return Err(pool.wrong(&name("SCLK01_MODULI"), "fields have 1 or more counts"));
+            return Err(pool.wrong(&name("SCLK01_MODULI"), "moduli must be 1 or more"));
         }
         let (starts, ends) = (numbers("SCLK_PARTITION_START")?, numbers("SCLK_PARTITION_END")?);
         if starts.len() != ends.len() || starts.iter().zip(ends).any(|(start, end)| start >= end) {
-            return Err(pool.wrong(&name("SCLK_PARTITION_START"), "partitions start before they end, each"));
+            return Err(pool.wrong(&name("SCLK_PARTITION_START"), "each partition must start before it ends"));
         }
         let (triples, rest) = numbers("SCLK01_COEFFICIENTS")?.as_chunks::<3>();
         let ascend = |i: usize| triples.is_sorted_by(|a, b| a[i] < b[i]);
         if triples.is_empty() || !rest.is_empty() || !ascend(0) || triples.iter().any(|of| of[2] <= 0.0) {
-            let message = "is triples of ticks, which ascend, a time, and a rate above 0";
+            let message = "must be triples: ascending ticks, time, rate above 0";
             return Err(pool.wrong(&name("SCLK01_COEFFICIENTS"), message));
         }
         let last = starts.iter().zip(ends).map(|(start, end)| (end - start).round()).sum();
         Ok(Some(Clock { pieces: triples.to_vec(), ticks, last, tt }))
     }
 
-    /// TDB since J2000, s, at a tick, counted on through all partitions.
+    /// TDB since J2000, s, at a tick counted through all partitions.
     ///
     /// # Errors
     /// That there is no such tick, as a sentence.
     pub(super) fn tdb_s(&self, ticks: f64) -> std::result::Result<f64, String> {
         let first = self.pieces[0][0];
         if ticks < first || ticks > self.last {
-            return Err(format!("tick {ticks} is none of its clock, which knows {first} to {}", self.last));
+            return Err(format!("tick {ticks} is outside the clock's range {first} to {}", self.last));
         }
         self.tdb_s_near(ticks)
     }
 
-    /// The same, up to half a tick beyond what the clock knows.
+    /// The same, up to half a tick beyond the clock's range.
     pub(super) fn tdb_s_near(&self, ticks: f64) -> std::result::Result<f64, String> {
         if ticks < self.pieces[0][0] - 0.5 || ticks > self.last + 0.5 {
             return self.tdb_s(ticks);

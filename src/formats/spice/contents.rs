@@ -1,4 +1,4 @@
-//! What a kernel holds, without the others that it takes to use it.
+//! The contents of a kernel, read without the other kernels needed to use it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,21 +14,21 @@ use crate::flight::{Almanac, Epoch};
 pub struct Contents {
     /// What it is.
     pub kind: &'static str,
-    /// Segments of a binary kernel, in their order: the last stands before the others.
+    /// Segments of a binary kernel, in file order: later ones override earlier ones.
     pub segments: Vec<SegmentFacts>,
-    /// When nothing is known between the first and the last moment of a thing: its name, and from when to when.
+    /// Coverage gaps: name, start, end.
     pub gaps: Vec<[String; 3]>,
-    /// Bodies of which it has the rotation.
+    /// Bodies whose rotation it has.
     pub rotations: Vec<String>,
-    /// Bodies of which it has radii.
+    /// Bodies whose radii it has.
     pub radii: Vec<String>,
-    /// Names that it gives to bodies, each with the number.
+    /// Body names it defines, each with the number.
     pub names: Vec<String>,
     /// Frames that it defines.
     pub frames: Vec<String>,
-    /// Clocks that it knows, by the numbers of their spacecraft.
+    /// Clocks it defines, by spacecraft number.
     pub clocks: Vec<String>,
-    /// How many steps of leap seconds, and the last as TAI - UTC, s.
+    /// Number of leap-second entries, and the last TAI - UTC, s.
     pub leap_seconds: Option<(usize, f64)>,
     /// Kernels that it names.
     pub kernels: Vec<String>,
@@ -39,13 +39,13 @@ pub struct Contents {
 pub struct SegmentFacts {
     /// Its name in the file.
     pub name: String,
-    /// What it says where or how something is: "PHOBOS about MARS BARYCENTER", "CK -999000".
+    /// Its subject: "PHOBOS about MARS BARYCENTER", "CK -999000".
     pub of: String,
-    /// Along whose axes, or turned in which frame.
+    /// Its frame (SPK) or base frame (CK, PCK).
     pub frame: String,
     /// Its type, and whether that is read.
     pub data_type: (i32, bool),
-    /// From when to when: TDB, or ticks of a clock.
+    /// Start and end: TDB, or clock ticks.
     pub span: [String; 2],
 }
 
@@ -74,7 +74,7 @@ pub fn contents(path: &Path) -> Result<Contents> {
     }
 }
 
-/// What a summary says: of what, the number of a frame, the type and whether it is read, and whether its times are TDB.
+/// What a summary says: subject, frame number, type and whether it is read, and whether its times are TDB.
 type Told = (String, i32, (i32, bool), bool);
 
 fn binary(

@@ -1,7 +1,7 @@
 //! NAIF's double precision array files (DAF): arrays of f64, each with a summary of some f64 and i32.
 //!
-//! The layout is that of NAIF's DAF Required Reading. Nothing that a header says is believed before the file's length bears it out, so that
-//! a damaged file is an error, and takes no more memory than it has bytes.
+//! The layout is that of NAIF's DAF Required Reading. Header values are checked against the file's length before use,
+//! so a damaged file is an error and takes no more memory than its size.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -15,7 +15,7 @@ const RECORD: usize = 1024;
 /// Bytes of a number.
 const WORD: u64 = 8;
 
-/// Bytes in the order of some machine.
+/// Bytes in a machine's byte order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Order {
     Little,
@@ -35,9 +35,9 @@ impl Order {
 /// An array of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Array {
-    /// Numbers of its summary.
+    /// Doubles of its summary.
     pub(super) doubles: Vec<f64>,
-    /// Whole numbers of its summary, without the two addresses that follow them.
+    /// Integers of its summary, without the two trailing addresses.
     pub(super) integers: Vec<i32>,
     /// Its name.
     pub(super) name: String,
@@ -64,7 +64,7 @@ pub(super) struct Daf<R> {
 const TRANSFERRED: &[u8] = b"FTPSTR:\r:\n:\r\n:\r\x00:\x81:\x10\xce:ENDFTP";
 
 impl Daf<File> {
-    /// Opens a file whose summaries have `doubles` and `integers`, the two addresses among them, and reads its summaries.
+    /// Opens a file whose summaries have `doubles` and `integers` (including the two addresses), and reads them.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Invalid`] for a file that contradicts itself, or is shorter than it says.
@@ -90,14 +90,14 @@ impl<R: Read + Seek> Daf<R> {
             b"BIG-IEEE" => Order::Big,
             other => {
                 let text = String::from_utf8_lossy(other);
-                return Err(daf.wrong(format!("numbers are stored as {text:?}: LTL-IEEE and BIG-IEEE are read")));
+                return Err(daf.wrong(format!("numbers are stored as {text:?}: must be LTL-IEEE or BIG-IEEE")));
             }
         };
         let [nd, ni, first] = [8, 12, 76].map(|at| daf.integer(&head, at));
         if usize::try_from(nd).ok() != Some(doubles) || usize::try_from(ni).ok() != Some(integers) {
-            return Err(daf.wrong(format!(
-                "summaries have {nd} and {ni} numbers, where {doubles} and {integers} are those of its kind"
-            )));
+            return Err(
+                daf.wrong(format!("summaries have {nd} and {ni} numbers; its kind has {doubles} and {integers}"))
+            );
         }
         if first == 0 {
             return Err(daf.wrong("has no record of summaries: the file is damaged"));
@@ -108,7 +108,7 @@ impl<R: Read + Seek> Daf<R> {
 
     /// Follows the chain of summaries.
     fn summaries(&mut self, first: i32, doubles: usize, integers: usize) -> Result<()> {
-        // Two whole numbers fill the place of one f64.
+        // Two integers take the place of one f64.
         let size = doubles + integers.div_ceil(2);
         let most = (RECORD / 8 - 3) / size;
         let records = self.bytes / RECORD as u64;
@@ -116,14 +116,14 @@ impl<R: Read + Seek> Daf<R> {
         while next != 0 {
             passed += 1;
             if passed > records {
-                return Err(self.wrong("summaries go round in a ring"));
+                return Err(self.wrong("the summary records form a loop: the file is damaged"));
             }
             let [summaries, names] = [self.record(next)?, self.record(next.saturating_add(1))?];
             let control = |i: usize| self.double(&summaries, 8 * i);
             let count = (0..=most).find(|count| count_as_f64(*count) == control(2));
             let following = crate::flight::whole(control(0)).filter(|next| *next >= 0);
             let (Some(count), Some(following)) = (count, following) else {
-                return Err(self.wrong(format!("record {next} is not one of summaries: the file is damaged")));
+                return Err(self.wrong(format!("record {next} is not a summary record: the file is damaged")));
             };
             for i in 0..count {
                 let at = 24 + 8 * size * i;
@@ -132,7 +132,7 @@ impl<R: Read + Seek> Daf<R> {
                 let [start, end] = [whole(integers - 2), whole(integers - 1)].map(|at| u64::try_from(at).unwrap_or(0));
                 if start == 0 || end < start || end > self.bytes / WORD {
                     let message = format!(
-                        "is said to be at words {start} to {end}, and the file has {}: it is cut off or damaged",
+                        "is declared at words {start} to {end}, but the file has {}: it is truncated or damaged",
                         self.bytes / WORD
                     );
                     return Err(Error::invalid(self.at(index), message));
@@ -162,7 +162,7 @@ impl<R: Read + Seek> Daf<R> {
         Ok(())
     }
 
-    /// All words of an array, which are finite.
+    /// All words of an array, checked to be finite.
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Invalid`] for what is not finite.
@@ -196,7 +196,7 @@ impl<R: Read + Seek> Daf<R> {
         let number = u64::try_from(number).unwrap_or(0);
         if number == 0 || number.saturating_mul(RECORD as u64) > self.bytes {
             return Err(self.wrong(format!(
-                "record {number} is needed, and the file has {}: it is cut off or damaged",
+                "record {number} is needed, but the file has {}: it is truncated or damaged",
                 self.bytes / RECORD as u64
             )));
         }
@@ -215,7 +215,7 @@ impl<R: Read + Seek> Daf<R> {
     }
 }
 
-/// A count of summaries as it is stored.
+/// A summary count as stored.
 fn count_as_f64(count: usize) -> f64 {
     u32::try_from(count).map_or(f64::NAN, f64::from)
 }

@@ -1,4 +1,4 @@
-//! Frames of SPICE: their numbers, and what frame kernels (FK) and text PCK say about how they are turned.
+//! SPICE frames: their numbers, and their orientations by frame kernels (FK) and text PCK.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -36,14 +36,14 @@ pub(super) struct Frames {
 }
 
 impl Frames {
-    /// The class of frames that PCK turn.
+    /// Frame class of PCK.
     pub(super) const PCK: i32 = 2;
-    /// The class of frames that CK turn.
+    /// Frame class of CK.
     pub(super) const CK: i32 = 3;
-    /// The class of frames that are at rest in others.
+    /// Frame class of fixed offsets (TK).
     const TK: i32 = 4;
 
-    /// All that text kernels define.
+    /// All frames that text kernels define.
     pub(super) fn of(almanac: &Almanac) -> Result<Self> {
         let pool = &almanac.pool;
         let mut defined = Vec::new();
@@ -76,7 +76,7 @@ impl Frames {
     /// The name of a frame by its number among those of a class.
     pub(super) fn of_class(&self, class: i32, class_id: i32) -> String {
         let is_it = |frame: &&Defined| frame.class == class && frame.class_id == class_id;
-        // A body's own name of old stands before others that a kernel gives to the same rotation.
+        // A body's built-in name takes precedence over others that a kernel gives to the same rotation.
         match class {
             Self::PCK if class_id == ITRF93_CLASS => "ITRF93".to_owned(),
             Self::PCK if self.has_name(class_id) => self.of_body(class_id),
@@ -87,7 +87,7 @@ impl Frames {
         }
     }
 
-    /// Names of all that kernels define.
+    /// Names of all frames that kernels define.
     pub(super) fn names(&self) -> Vec<String> {
         self.defined.iter().map(|frame| frame.name.clone()).collect()
     }
@@ -96,7 +96,7 @@ impl Frames {
         self.names.body(&body.to_string()) != body.to_string()
     }
 
-    /// The name of the frame of a body that text PCK turn.
+    /// The name of the body-fixed frame that text PCK orient.
     pub(super) fn of_body(&self, body: i32) -> String {
         format!("IAU_{}", self.names.body(&body.to_string()).replace(' ', "_"))
     }
@@ -107,7 +107,7 @@ pub(super) fn rotating_bodies(pool: &Pool) -> impl Iterator<Item = i32> {
     pool.iter().filter_map(|(variable, _)| variable.strip_prefix("BODY")?.strip_suffix("_PM")?.parse().ok())
 }
 
-/// Turns frames as the variables of text kernels say.
+/// Orients frames by the variables of text kernels.
 ///
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) for variables that are not what they should be.
@@ -121,7 +121,7 @@ pub(super) fn furnish(source: &str, almanac: &mut Almanac) -> Result<()> {
     for frame in &frames.defined {
         let name = frame.name.clone();
         match frame.class {
-            // What it was called before its name was known.
+            // Its name before its definition was read.
             Frames::PCK | Frames::CK => {
                 let before = Frames { defined: vec![], names: almanac.names.clone() };
                 let before = before.of_class(frame.class, frame.class_id);
@@ -161,12 +161,12 @@ pub(super) fn furnish(source: &str, almanac: &mut Almanac) -> Result<()> {
     Ok(())
 }
 
-/// Puts an orientation that holds at all times in the place of the one of the same frame. A new one goes to the front: as in SPICE, what
-/// binary kernels know of some times stands before it, whichever came first.
+/// Replaces the orientation of a frame that holds at all times. A new one goes to the front: as in SPICE, binary
+/// kernels override it within their coverage, whatever the load order.
 fn settle(orientation: Orientation, almanac: &mut Almanac) {
     let holds_always = |of: &Orientation| matches!(of.turns[..], [Turn { span: None, .. }]);
     match almanac.orientations.iter_mut().find(|of| of.frame == orientation.frame && holds_always(of)) {
-        // What did not change is still from where it was.
+        // Unchanged ones keep their source.
         Some(same) if same.base == orientation.base && same.turns == orientation.turns => {}
         Some(before) => *before = orientation,
         None => almanac.orientations.insert(0, orientation),
@@ -176,7 +176,8 @@ fn settle(orientation: Orientation, almanac: &mut Almanac) {
 /// Coefficients of an angle of a rotation, as SPICE has it.
 const MOST_COEFFICIENTS: usize = 3;
 
-/// A body's rotation, by the variables `BODYn_...`; angles of periodic terms are those of the barycentre of its system: of 401, those of 4.
+/// A body's rotation from the variables `BODYn_...`; periodic angles are those of its system's barycentre (of 4 for
+/// 401).
 fn rotation_model(body: i32, pool: &Pool) -> Result<Turning> {
     let barycentre = match body {
         100..1000 => body / 100,
@@ -212,7 +213,7 @@ fn rotation_model(body: i32, pool: &Pool) -> Result<Turning> {
     };
     let degree = pool.integer(&format!("BODY{barycentre}_MAX_PHASE_DEGREE"))?.unwrap_or(1);
     let terms = usize::try_from(degree).ok().filter(|degree| (1..=9).contains(degree)).map(|degree| degree + 1);
-    let terms = terms.ok_or_else(|| pool.wrong(&format!("BODY{barycentre}_MAX_PHASE_DEGREE"), "is 1 to 9"))?;
+    let terms = terms.ok_or_else(|| pool.wrong(&format!("BODY{barycentre}_MAX_PHASE_DEGREE"), "must be 1 to 9"))?;
     let phases = list(barycentre, "NUT_PREC_ANGLES")?;
     let model = RotationModel {
         right_ascension: angle("POLE_RA", "NUT_PREC_RA")?,
@@ -223,7 +224,7 @@ fn rotation_model(body: i32, pool: &Pool) -> Result<Turning> {
     for (name, angle) in [("RA", &model.right_ascension), ("DEC", &model.declination), ("PM", &model.prime_meridian)] {
         if angle.periodic.len() > model.phases.len() {
             let message = format!(
-                "has {} amplitudes, and BODY{barycentre}_NUT_PREC_ANGLES {} angles",
+                "has {} amplitudes but BODY{barycentre}_NUT_PREC_ANGLES has {} angles",
                 angle.periodic.len(),
                 model.phases.len()
             );
@@ -233,7 +234,7 @@ fn rotation_model(body: i32, pool: &Pool) -> Result<Turning> {
     Ok(Turning::Model(model))
 }
 
-/// How a frame is turned that is at rest in another, and in which.
+/// The orientation of a fixed-offset frame, and its base.
 fn fixed(frame: &Defined, pool: &Pool) -> Result<(String, Turning)> {
     let find = |of: &str| {
         let names = [frame.id.to_string(), frame.name.clone()].map(|name| format!("TKFRAME_{name}_{of}"));
@@ -250,25 +251,22 @@ fn fixed(frame: &Defined, pool: &Pool) -> Result<(String, Turning)> {
         let name = find(of);
         let numbers = pool.numbers(&name)?.filter(|numbers| numbers.len() == count);
         numbers.ok_or_else(|| {
-            pool.wrong(
-                if pool.has(&name) { &name } else { &definition },
-                &format!("{name} should have {count} numbers"),
-            )
+            pool.wrong(if pool.has(&name) { &name } else { &definition }, &format!("{name} must have {count} numbers"))
         })
     };
-    // All three say how components along this frame's axes become components along the base's.
+    // All three give the rotation from this frame's axes to the base's.
     let base_from_frame = match spec.to_ascii_uppercase().as_str() {
         "MATRIX" => {
             let numbers = list("MATRIX", 9)?;
             let matrix = DMat3::from_cols_slice(numbers);
-            rotation_near(matrix).ok_or_else(|| pool.wrong(&find("MATRIX"), "is not a rotation"))?
+            rotation_near(matrix).ok_or_else(|| pool.wrong(&find("MATRIX"), "must be a rotation matrix"))?
         }
         "QUATERNION" => {
             let [w, x, y, z] = *list("Q", 4)? else { return Ok((frame_name(base), unread(String::new()))) };
             let q = DQuat::from_xyzw(x, y, z, w);
             let square = q.length_squared();
             if !square.is_normal() {
-                return Err(pool.wrong(&find("Q"), "has no length"));
+                return Err(pool.wrong(&find("Q"), "must have a length above 0"));
             }
             DMat3::from_quat(q * square.sqrt().recip())
         }
@@ -281,7 +279,7 @@ fn fixed(frame: &Defined, pool: &Pool) -> Result<(String, Turning)> {
                 "ARCSECONDS" => (1.0_f64 / 3600.0).to_radians(),
                 _ => {
                     let at = if pool.has(&units) { &units } else { &definition };
-                    return Err(pool.wrong(at, "TKFRAME's UNITS are DEGREES, RADIANS, ARCMINUTES or ARCSECONDS"));
+                    return Err(pool.wrong(at, "UNITS must be DEGREES, RADIANS, ARCMINUTES or ARCSECONDS"));
                 }
             };
             let mut matrix = DMat3::IDENTITY;
@@ -290,7 +288,7 @@ fn fixed(frame: &Defined, pool: &Pool) -> Result<(String, Turning)> {
                     Some(1) => DVec3::X,
                     Some(2) => DVec3::Y,
                     Some(3) => DVec3::Z,
-                    _ => return Err(pool.wrong(&find("AXES"), "are 1, 2 or 3 each")),
+                    _ => return Err(pool.wrong(&find("AXES"), "must each be 1, 2 or 3")),
                 };
                 // Axes turn by the angle, so components turn back.
                 matrix *= DMat3::from_axis_angle(axis, -angle * unit_rad);
@@ -302,10 +300,11 @@ fn fixed(frame: &Defined, pool: &Pool) -> Result<(String, Turning)> {
     Ok((frame_name(base), Turning::Fixed(base_from_frame.transpose())))
 }
 
-/// The rotation that a matrix is, whose numbers were rounded; `None` if it is none.
+/// SPICE's tolerance for the columns of a rotation matrix.
+const OFF: f64 = 1e-3;
+
+/// The rotation nearest to a rounded matrix; `None` if it is too far from one.
 fn rotation_near(matrix: DMat3) -> Option<DMat3> {
-    // SPICE lets columns be off by this much.
-    const OFF: f64 = 1e-3;
     let x = matrix.x_axis.try_normalize()?;
     let y = matrix.y_axis.reject_from_normalized(x).try_normalize()?;
     let near = DMat3::from_cols(x, y, x.cross(y));

@@ -15,19 +15,19 @@ const VALUES: &str = "PATH_VALUES";
 /// A text, and where it stands.
 type Placed = (String, usize);
 
-/// Paths of the kernels that a text kernel names, in their order, each with its place; empty if it is no meta-kernel.
+/// Paths of the kernels that a meta-kernel lists, in order, each with its place; empty if the file is not a
+/// meta-kernel.
 ///
-/// A relative path begins in the folder of the meta-kernel, and if there is no such file, in the working directory, which is where SPICE
-/// looks.
+/// A relative path starts at the meta-kernel's folder, or else at the working directory, as in SPICE.
 ///
 /// # Errors
-/// [`Error::Invalid`] with all names of files that are not there, and all symbols that are not defined.
+/// [`Error::Invalid`] with all missing files and undefined symbols.
 pub(super) fn kernels(assignments: &[Assignment<'_>], text: &str, path: &Path) -> Result<Vec<(PathBuf, Location)>> {
     let [names, symbols, values] = [KERNELS, SYMBOLS, VALUES].map(|name| texts(assignments, name));
     let at = |place: usize, item: &str| Location::span(path, text, place, place + 1).with_item(item);
     if symbols.len() != values.len() {
         let place = symbols.first().or(values.first()).map_or(0, |(_, place)| *place);
-        let message = format!("{} symbols have {} values: as many are needed", symbols.len(), values.len());
+        let message = format!("{SYMBOLS} and {VALUES} must have equal lengths: {}, {}", symbols.len(), values.len());
         return Err(Error::invalid(at(place, SYMBOLS), message));
     }
     let (mut found, mut problems) = (Vec::new(), Vec::new());
@@ -44,7 +44,7 @@ pub(super) fn kernels(assignments: &[Assignment<'_>], text: &str, path: &Path) -
     if problems.is_empty() { Ok(found) } else { Err(Error::Invalid(problems)) }
 }
 
-/// The texts of a variable after all assignments; one that ends in + goes on in the next.
+/// The strings of a variable after all assignments; one that ends in + continues in the next.
 fn texts(assignments: &[Assignment<'_>], name: &str) -> Vec<Placed> {
     let mut all: Vec<Placed> = Vec::new();
     for assignment in assignments.iter().filter(|of| of.name == name) {
@@ -69,7 +69,7 @@ fn texts(assignments: &[Assignment<'_>], name: &str) -> Vec<Placed> {
     joined
 }
 
-/// A name with `$SYMBOL`s replaced; the longest symbol that fits counts.
+/// Replaces `$SYMBOL`s in a name; the longest matching symbol is used.
 fn written_out(name: &str, symbols: &[Placed], values: &[Placed]) -> std::result::Result<String, String> {
     let (mut whole, mut rest) = (String::new(), name);
     while let Some((before, behind)) = rest.split_once('$') {
@@ -77,7 +77,7 @@ fn written_out(name: &str, symbols: &[Placed], values: &[Placed]) -> std::result
         let fits = symbols.iter().zip(values).filter(|((symbol, _), _)| behind.starts_with(symbol.as_str()));
         let Some(((symbol, _), (value, _))) = fits.max_by_key(|((symbol, _), _)| symbol.len()) else {
             let known: Vec<&str> = symbols.iter().map(|(symbol, _)| symbol.as_str()).collect();
-            return Err(format!("{name:?}: no symbol of {SYMBOLS} stands behind the $: there is {known:?}"));
+            return Err(format!("{name:?}: no {SYMBOLS} entry matches after $; they are {known:?}"));
         };
         whole.push_str(value);
         rest = &behind[symbol.len()..];
@@ -88,16 +88,16 @@ fn written_out(name: &str, symbols: &[Placed], values: &[Placed]) -> std::result
 
 /// The file of a name in a meta-kernel.
 fn place_of(meta: &Path, name: &str) -> std::result::Result<PathBuf, String> {
-    // Kernels are often listed with the separators of Windows.
+    // Kernels are often listed with Windows separators.
     let name = if cfg!(windows) { name.to_owned() } else { name.replace('\\', "/") };
     let name = Path::new(&name);
     let near = input::home(meta, name).join(name);
     match (near.is_file(), name.is_file()) {
         (true, _) => Ok(near),
         (false, true) => Ok(name.to_owned()),
-        (false, false) if name.is_absolute() => Err(format!("there is no file {}", name.display())),
+        (false, false) if name.is_absolute() => Err(format!("no such file: {}", name.display())),
         (false, false) => {
-            Err(format!("there is no file {}, and none {} in the working directory", near.display(), name.display()))
+            Err(format!("no such file: {}, or {} in the working directory", near.display(), name.display()))
         }
     }
 }

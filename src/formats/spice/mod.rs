@@ -1,18 +1,18 @@
-//! Kernels of SPICE: trajectories (SPK), attitudes (CK with SCLK and FK), rotations (text and binary PCK), leap seconds (LSK), and lists of
-//! them (meta-kernels).
+//! SPICE kernels: trajectories (SPK), attitudes (CK with SCLK and FK), rotations (text and binary PCK), leap seconds
+//! (LSK), and lists of kernels (meta-kernels).
 //!
 //! | kernel | what is read |
 //! |---|---|
-//! | SPK | types 2, 3 (Chebyshev), 8, 12 (equal steps), 9, 13 (any steps): Lagrange's and Hermite's polynomials |
+//! | SPK | types 2, 3 (Chebyshev), 8, 12 (equal steps), 9, 13 (any steps): Lagrange and Hermite polynomials |
 //! | CK | types 1, 2, 3, by clocks of type 1 |
 //! | binary PCK | types 2, 3 |
 //! | text PCK | pole, prime meridian, periodic terms; radii and GM |
 //! | FK | names; frames of PCK and CK; frames at rest in others, by matrix, angles or quaternion |
 //! | LSK | leap seconds, and TDB |
 //!
-//! Segments and frames of other kinds are known to be there: who asks for one is told that it is not read, and gets no number from elsewhere.
-//! Files have one byte order or the other. As in SPICE, of two kernels that know the same the later one holds, and within a binary kernel
-//! the later segment.
+//! Segments and frames of other types are registered but not read: asking for one is an error, not data from elsewhere.
+//! Either byte order is read. As in SPICE, where kernels overlap the later one is used, and within a binary kernel the
+//! later segment.
 
 mod ck;
 mod clock;
@@ -36,7 +36,7 @@ use frames::Frames;
 
 /// Longest text kernel, bytes.
 const LIMIT: u64 = 256 << 20;
-/// This much of a file is read to recognise it, bytes.
+/// Length of the beginning by which a file is recognised, bytes.
 const BEGINNING: usize = 1 << 16;
 
 /// What a kernel is.
@@ -50,7 +50,7 @@ enum Kind {
     Other(&'static str),
 }
 
-/// The kind of a file that begins so, if it is a kernel.
+/// The kind of a file by its first bytes, if it is a kernel.
 fn kind(beginning: &[u8]) -> Option<Kind> {
     let others: [(&[u8], &str); 5] = [
         (b"DAS/DSK", "a kernel of shapes (DSK)"),
@@ -75,7 +75,7 @@ fn kind(beginning: &[u8]) -> Option<Kind> {
     }
 }
 
-/// Whether a file that begins so is a kernel of SPICE, read or not.
+/// Whether a file with these first bytes is a SPICE kernel, supported or not.
 pub fn is_kernel(beginning: &[u8]) -> bool {
     kind(beginning).is_some()
 }
@@ -90,10 +90,11 @@ struct Listed {
     is_named: bool,
 }
 
-/// Reads kernels into an almanac, and returns those that were read, with those that meta-kernels name; of two that know the same, the later one holds.
+/// Reads kernels into an almanac and returns those read, including those that meta-kernels list; where two overlap, the
+/// later one is used.
 ///
-/// Text kernels are read first, whatever their order, because clocks, frames and names say what binary kernels mean. A kernel of shapes or
-/// events that a meta-kernel names is passed over: it says nothing of where things are.
+/// Text kernels are read first, whatever their order, because clocks, frames and names are needed to interpret binary
+/// kernels. Kernels of shapes or events in a meta-kernel are skipped: they hold no positions.
 ///
 /// # Errors
 /// Whatever is wrong with a file; [`Error::Unsupported`] for a kernel of a kind that is not read.
@@ -143,10 +144,10 @@ fn not_read(path: &Path, what: &str) -> Error {
     Error::Unsupported { at: Location::file(path), feature: what.to_owned() }
 }
 
-/// Looks at a kernel, and reads it if it is text.
+/// Identifies a kernel, and reads it if it is text.
 fn listed(path: &Path, is_named: bool) -> Result<Listed> {
     let kind = kind(&input::beginning(path, BEGINNING)?).ok_or_else(|| {
-        Error::invalid(Location::file(path), "is no kernel of SPICE: it begins like none, and has no \\begindata")
+        Error::invalid(Location::file(path), "is not a SPICE kernel: no known file header and no \\begindata")
     })?;
     let text = match kind {
         Kind::Text => input::with_line_ends(input::decoded(&input::bytes(path, LIMIT)?).0.into_owned()),
@@ -155,7 +156,7 @@ fn listed(path: &Path, is_named: bool) -> Result<Listed> {
     Ok(Listed { path: path.to_owned(), kind, text, is_named })
 }
 
-/// Takes over the variables of a text kernel, and what follows from them.
+/// Stores the variables of a text kernel, and applies them.
 fn furnish_text(text: &str, path: &Path, almanac: &mut Almanac) -> Result<()> {
     let assignments = text::parse(text, path)?;
     let begins = |starts: &[&str]| assignments.iter().any(|of| starts.iter().any(|start| of.name.starts_with(start)));
@@ -174,19 +175,20 @@ fn furnish_text(text: &str, path: &Path, almanac: &mut Almanac) -> Result<()> {
     Ok(())
 }
 
-/// Gives bodies the names that text kernels have for them, in what is there already too.
+/// Renames bodies as text kernels say, also in what is already loaded.
 fn rename(almanac: &mut Almanac) -> Result<()> {
     const CODES: &str = "NAIF_BODY_CODE";
     let pool = &almanac.pool;
     let names = pool.texts("NAIF_BODY_NAME")?.unwrap_or_default();
     let codes = pool.numbers(CODES)?.unwrap_or_default();
     if names.len() != codes.len() {
-        let message = format!("has {} numbers for {} names in NAIF_BODY_NAME", codes.len(), names.len());
+        let message =
+            format!("must have as many numbers as NAIF_BODY_NAME has names: {}, {}", codes.len(), names.len());
         return Err(pool.wrong(CODES, &message));
     }
     let given = codes.iter().zip(names).map(|(code, name)| {
         let code =
-            crate::flight::whole(*code).ok_or_else(|| pool.wrong(CODES, &format!("{code} is no whole number")))?;
+            crate::flight::whole(*code).ok_or_else(|| pool.wrong(CODES, &format!("{code} is not a whole number")))?;
         Ok((code, name.clone()))
     });
     let (before, now) = (almanac.names.clone(), Names::new(given.collect::<Result<Vec<_>>>()?));
@@ -199,7 +201,7 @@ fn rename(almanac: &mut Almanac) -> Result<()> {
     Ok(())
 }
 
-/// Rows of as many numbers each; a rest that is no whole row is left out.
+/// Rows of equal length; an incomplete last row is left out.
 fn rows(words: &[f64], size: usize) -> impl Iterator<Item = &[f64]> {
     words.chunks_exact(size)
 }
@@ -207,10 +209,10 @@ fn rows(words: &[f64], size: usize) -> impl Iterator<Item = &[f64]> {
 /// A count that is stored as an f64.
 fn count(value: f64) -> std::result::Result<usize, String> {
     let whole = crate::flight::whole(value).and_then(|whole| usize::try_from(whole).ok());
-    whole.ok_or_else(|| format!("has {value} where a count should be"))
+    whole.ok_or_else(|| format!("has {value} where a count is expected"))
 }
 
 /// A moment that is stored as TDB, s since J2000.
 fn epoch(tdb_s: f64) -> std::result::Result<Epoch, String> {
-    Epoch::from_tdb_s(tdb_s).ok_or_else(|| format!("has {tdb_s} s where a moment should be"))
+    Epoch::from_tdb_s(tdb_s).ok_or_else(|| format!("has {tdb_s} s where a time is expected"))
 }

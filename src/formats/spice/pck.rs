@@ -1,4 +1,4 @@
-//! Binary PCK: how bodies are turned, by series of angles. The layouts are those of NAIF's PCK Required Reading.
+//! Binary PCK: orientations of bodies as series of Euler angles. The layouts are those of NAIF's PCK Required Reading.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::spk::{series, span};
 use crate::error::{Error, Result};
 use crate::flight::{Almanac, Orientation, Turn, Turning, Unread};
 
-/// Numbers and whole numbers of a summary; two of the whole numbers are addresses.
+/// Doubles and integers of a summary; two of the integers are addresses.
 pub(super) const SUMMARY: (usize, usize) = (2, 5);
 
 /// Whether segments of a type are read.

@@ -1,4 +1,4 @@
-//! SPK: where bodies are. The layouts are those of NAIF's SPK Required Reading.
+//! SPK: trajectories. The layouts are those of NAIF's SPK Required Reading.
 
 use std::path::Path as FilePath;
 
@@ -13,10 +13,10 @@ use crate::flight::{Almanac, Chebyshev, Interpolation, Nodes, Path, Segment, Spa
 
 /// Metres of a kilometre.
 const KM_M: f64 = 1000.0;
-/// Numbers of a state: position, km, and velocity, km/s.
+/// Numbers per state: position, km, and velocity, km/s.
 const STATE: usize = 6;
 
-/// Numbers and whole numbers of a summary; two of the whole numbers are addresses.
+/// Doubles and integers of a summary; two of the integers are addresses.
 pub(super) const SUMMARY: (usize, usize) = (2, 6);
 
 /// Whether segments of a type are read.
@@ -43,7 +43,7 @@ pub(super) fn furnish(path: &FilePath, frames: &Frames, almanac: &mut Almanac) -
             kind => Path::Unread(Unread { at: daf.at(array.index), what: format!("SPK type {kind} (for {target})") }),
         };
         let segment = Segment { span, path: path_of };
-        // A later segment of the same target stands before this one, whatever its centre.
+        // A later segment of the same target takes precedence, whatever its centre.
         let last = almanac.trajectories[first..].iter_mut().rev().find(|of| of.target == target);
         match last.filter(|of| of.centre == centre && of.frame == frame) {
             Some(trajectory) => trajectory.segments.push(segment),
@@ -56,7 +56,7 @@ pub(super) fn furnish(path: &FilePath, frames: &Frames, almanac: &mut Almanac) -
     Ok(())
 }
 
-/// When a segment holds, by the two numbers that its summary begins with.
+/// The span of a segment, from the first two doubles of its summary.
 pub(super) fn span(array: &Array) -> std::result::Result<Span, String> {
     let [start, end] = [array.doubles[0], array.doubles[1]];
     if end < start {
@@ -65,7 +65,7 @@ pub(super) fn span(array: &Array) -> std::result::Result<Span, String> {
     Ok(Span { start: epoch(start)?, end: epoch(end)? })
 }
 
-/// What the words of a segment say.
+/// Interprets the words of a segment.
 fn path(kind: i32, words: Vec<f64>) -> std::result::Result<Path, String> {
     match kind {
         2 => Ok(Path::Chebyshev(series(words, 3)?)),
@@ -74,33 +74,36 @@ fn path(kind: i32, words: Vec<f64>) -> std::result::Result<Path, String> {
     }
 }
 
-/// Records of Chebyshev's series, behind which stand the start, the length of an interval, the length of a record and the count of records.
+/// Chebyshev records, followed by start, interval length, record length and record count.
 pub(super) fn series(mut words: Vec<f64>, series: usize) -> std::result::Result<Chebyshev, String> {
     let [start_s, interval_s, size, records] = *words.last_chunk().ok_or("has too few words")?;
     let (size, records) = (count(size)?, count(records)?);
     words.truncate(words.len() - 4);
     let terms = size.saturating_sub(2) / series;
     if size != 2 + terms * series || size.checked_mul(records) != Some(words.len()) {
-        return Err(format!("says {records} records of {size} words, and has {} words", words.len()));
+        return Err(format!(
+            "declares {records} records of {size} words but holds {} words: the file is damaged",
+            words.len()
+        ));
     }
     let chebyshev = Chebyshev { start_s, interval_s, terms, series, records: words };
-    if chebyshev.is_sound() { Ok(chebyshev) } else { Err("has intervals without length, or no terms".into()) }
+    if chebyshev.is_sound() { Ok(chebyshev) } else { Err("has intervals of length 0, or no terms".into()) }
 }
 
-/// States at moments: at equal steps (types 8, 12) or at any (9, 13), for Lagrange's polynomials (8, 9) or Hermite's (12, 13).
+/// States at equal steps (types 8, 12) or at any times (9, 13), for Lagrange (8, 9) or Hermite (12, 13) polynomials.
 fn nodes(kind: i32, words: &[f64]) -> std::result::Result<Nodes, String> {
     let is_even = matches!(kind, 8 | 12);
     let (degree, number) = match words {
         [.., degree, number] => (count(*degree)?, count(*number)?),
         _ => return Err("has too few words".into()),
     };
-    // Every hundredth moment stands a second time in a directory.
+    // Every hundredth time is repeated in a directory.
     let others = if is_even { 4 } else { number.saturating_add(number.saturating_sub(1) / 100).saturating_add(2) };
     if number == 0 || number.checked_mul(STATE).and_then(|of| of.checked_add(others)) != Some(words.len()) {
-        return Err(format!("says {number} states, and has {} words", words.len()));
+        return Err(format!("declares {number} states but holds {} words: the file is damaged", words.len()));
     }
     if degree >= MOST_NODES {
-        return Err(format!("goes through {} states at once: at most {MOST_NODES} are used", degree + 1));
+        return Err(format!("interpolates {} states at once: at most {MOST_NODES} are supported", degree + 1));
     }
     let (states, rest) = words.split_at(number * STATE);
     let tdb_s: Vec<f64> = match is_even {
@@ -109,7 +112,7 @@ fn nodes(kind: i32, words: &[f64]) -> std::result::Result<Nodes, String> {
         false => rest[..number].to_vec(),
     };
     if !tdb_s.is_sorted_by(|a, b| a < b) {
-        return Err("has moments that are not in the order of time".into());
+        return Err("has times that do not ascend".into());
     }
     let vector = |of: &[f64]| DVec3::new(of[0], of[1], of[2]) * KM_M;
     Ok(Nodes {

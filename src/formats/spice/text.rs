@@ -17,11 +17,11 @@ pub(super) struct Assignment<'a> {
     pub(super) name: &'a str,
     /// Whether it is `+=`.
     pub(super) appends: bool,
-    /// What it has then, or in addition.
+    /// Its new or additional values.
     pub(super) values: Values,
-    /// Where each value stands: the byte in the text where it begins.
+    /// Byte offset of each value.
     pub(super) places: Vec<usize>,
-    /// Where the name begins.
+    /// Byte offset of the name.
     start: usize,
 }
 
@@ -48,7 +48,7 @@ pub(super) fn has_data(text: &str) -> bool {
     text.lines().any(|line| line.trim() == "\\begindata")
 }
 
-/// All assignments of a text kernel, in their order.
+/// All assignments of a text kernel, in order.
 ///
 /// # Errors
 /// [`Error::Syntax`] at the first place that does not follow the grammar.
@@ -58,7 +58,7 @@ pub(super) fn parse<'a>(text: &'a str, path: &'a Path) -> Result<Vec<Assignment<
     let mut all = Vec::new();
     while let Some((start, token)) = reader.tokens.next() {
         let Token::Word(name) = token else {
-            return Err(reader.error(start, "a variable's name is expected, as in NAME = ( 1, 2 )"));
+            return Err(reader.error(start, "a variable's name is expected, e.g. NAME = ( 1, 2 )"));
         };
         let appends = match reader.tokens.next() {
             Some((_, Token::Is)) => false,
@@ -71,7 +71,7 @@ pub(super) fn parse<'a>(text: &'a str, path: &'a Path) -> Result<Vec<Assignment<
     Ok(all)
 }
 
-/// Takes assignments over, in their order.
+/// Applies assignments, in order.
 ///
 /// # Errors
 /// [`Error::Invalid`] for texts added to numbers, or numbers to texts.
@@ -87,7 +87,7 @@ pub(super) fn assign(assignments: Vec<Assignment<'_>>, text: &str, path: &Path, 
     Ok(())
 }
 
-/// Counts lines once, however many places are asked for in their order.
+/// Counts lines once for places asked for in order.
 struct Lines<'a> {
     text: &'a str,
     path: &'a Path,
@@ -103,7 +103,7 @@ impl Lines<'_> {
     }
 }
 
-/// The pieces of all data. A piece never goes on in the next line.
+/// All tokens of the data. A token never spans lines.
 fn tokens<'a>(text: &'a str, path: &Path) -> Result<Vec<(usize, Token<'a>)>> {
     let (mut tokens, mut in_data, mut start) = (Vec::new(), false, 0);
     for line in text.split_inclusive('\n') {
@@ -149,7 +149,7 @@ fn tokens_of<'a>(line: &'a str, start: usize, tokens: &mut Vec<(usize, Token<'a>
     }
 }
 
-/// A text between quotes at the beginning of `rest`, of which two in it stand for one; and how long it is with them.
+/// A quoted string at the beginning of `rest` (a doubled quote is one quote), and its length with the quotes.
 fn quoted(rest: &str) -> Option<(String, usize)> {
     let mut text = String::new();
     let mut at = 1;
@@ -170,7 +170,7 @@ impl Reader<'_> {
         Error::syntax(Location::span(self.path, self.text, place, place + length), message)
     }
 
-    /// One value, or a list of them between brackets; of one kind, and at least one.
+    /// One value, or a parenthesised list; of one kind, and not empty.
     fn values(&mut self, start: usize, name: &str) -> Result<(Values, Vec<usize>)> {
         let (mut numbers, mut texts, mut places) = (Vec::new(), Vec::new(), Vec::new());
         let is_list = self.tokens.next_if(|(_, token)| *token == Token::Open).is_some();
@@ -202,7 +202,7 @@ impl Reader<'_> {
     }
 }
 
-/// A number, with D for E as Fortran has it, or a date after @.
+/// A number (D is allowed for E, as in Fortran), or a date after @.
 fn number(word: &str) -> Option<f64> {
     if let Some(date) = word.strip_prefix('@') {
         return date_s(date);
@@ -213,11 +213,12 @@ fn number(word: &str) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// A date as in 1972-JAN-1, 1-JAN-1972 or 1972-01-01, perhaps with a time behind `T`, `-`, `/` or `:`, in s since 2000-01-01 12:00.
+/// A date, e.g. 1972-JAN-1, 1-JAN-1972 or 1972-01-01, optionally with a time after `T`, `-`, `/` or `:`, in s since
+/// 2000-01-01 12:00.
 fn date_s(text: &str) -> Option<f64> {
     let is_gap = |c: char| "-/:Tt".contains(c);
     let parts: Vec<String> = match text.to_ascii_uppercase() {
-        // The T of a month's name parts nothing.
+        // The T of a month's name is not a separator.
         upper if upper.contains("OCT") => upper.replace("OCT", "10").split(is_gap).map(str::to_owned).collect(),
         upper => upper.split(is_gap).map(str::to_owned).collect(),
     };

@@ -7,7 +7,7 @@ use super::PhotometricAngles;
 /// f = (rho0 / pi) (mu0 mu (mu0 + mu))^(k - 1) F(g) (1 + (1 - rho_c) / (1 + G)). Source: Rahman, Pinty & Verstraete (1993). Reciprocal.
 ///
 /// F = (1 - t^2) / (1 + 2 t cos g + t^2)^(3/2); G^2 = tan^2 i + tan^2 e - 2 tan i tan e cos psi.
-/// Limits: infinite at the limb with k below 1, where cosines count as no smaller than [`LEAST_COSINE`](super::LEAST_COSINE). rho0 is no albedo.
+/// Limits: infinite at the limb with k below 1, where cosines count as no smaller than [`LEAST_COSINE`](super::LEAST_COSINE). rho0 is not an albedo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rpv {
     /// Amplitude rho0, from 0.

@@ -59,7 +59,7 @@ impl Table {
     }
 
     /// By incidence, emission and azimuth, \[incidence, emission, azimuth\], the azimuth from 0 (view on the side of the light) to pi;
-    /// `None` if there are not as many factors as that, or one is no number from 0.
+    /// `None` if there are not as many factors as that, or one is not a number from 0.
     pub fn bidirectional(incidence: Axis, emission: Axis, azimuth: Axis, reflectance_factor: Vec<f64>) -> Option<Self> {
         let count = incidence.count() * emission.count() * azimuth.count();
         let all_right = reflectance_factor.iter().all(|&factor| factor >= 0.0 && factor.is_finite());

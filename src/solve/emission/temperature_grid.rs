@@ -57,7 +57,7 @@ impl TemperatureGrid {
         }
         let x = temperature_k.ln() / STEP - self.first;
         let i = whole(x).clamp(2, self.count - 4);
-        // Lagrange's polynomials on the points -2 .. 3.
+        // Lagrange polynomials on the points -2 .. 3.
         let t = x - i as f64;
         let (a, b, c, d, e, f) = (t + 2.0, t + 1.0, t, t - 1.0, t - 2.0, t - 3.0);
         let (ab, cd, ef) = (a * b, c * d, e * f);

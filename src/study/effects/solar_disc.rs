@@ -1,4 +1,4 @@
-//! Penumbrae: the Sun is no point.
+//! Penumbrae: the Sun is not a point.
 
 use std::f64::consts::PI;
 

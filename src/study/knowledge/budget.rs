@@ -1,7 +1,7 @@
-//! Errors of pixels by source: of biases as they come out, of covariances carried on linearly.
+//! Geolocation errors by source: biases exactly, covariances propagated linearly.
 //!
-//! A covariance L L^T becomes that of the ground point by half of the difference between the points that the believed state leads to one standard deviation before and
-//! behind it, along each column of L, on the plane of the facet that it meets.
+//! A covariance L L^T propagates by central differences: per column of L, half the difference of the ground points at
+//! plus and minus one standard deviation, on the plane of the facet that is met.
 
 use std::ops::Range;
 
@@ -17,12 +17,12 @@ use crate::scene::Readout;
 use crate::study::locate::{Locator, Place};
 use crate::visibility::RayTree;
 
-/// The error of a pixel's place on the ground: believed minus true, along east, north and up at the true point.
+/// The error of a pixel's ground point: believed minus true, along east, north and up at the true point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part {
-    /// That of the mean belief, m.
+    /// Bias: error of the mean belief, m.
     pub bias_m: DVec3,
-    /// How it scatters about that, m^2.
+    /// Covariance about that, m^2.
     pub covariance_m2: DMat3,
 }
 
@@ -38,7 +38,7 @@ impl Part {
         self.bias_m.length().hypot(self.sd_m().length())
     }
 
-    /// The same of the error along the ground, on which a map would show it, m.
+    /// Root mean square of the horizontal error, m.
     pub fn level_m(&self) -> f64 {
         self.bias_m.truncate().length().hypot(self.sd_m().truncate().length())
     }
@@ -51,11 +51,11 @@ pub struct PixelBudget {
     pub place: Place,
     /// A pixel's width at the true point, across the view, m: `PIXELRESOLUTION`.
     pub pixel_m: f64,
-    /// By each source that is stated, in their order; `None`: the ray that is believed meets nothing.
+    /// By each stated source, in order; `None`: the believed ray misses the surface.
     pub sources: Vec<Option<Part>>,
-    /// By all together.
+    /// By all sources together.
     pub total: Option<Part>,
-    /// The same from draws, if some were asked for.
+    /// The same by Monte Carlo, if asked for.
     pub sampled: Option<Sampled>,
 }
 
@@ -66,13 +66,13 @@ pub struct Budget {
     pub sources: Vec<Source>,
     /// Columns and rows of pixels.
     pub size: [usize; 2],
-    /// The band whose geometry counts, from 0.
+    /// The reference band of the geometry, from 0.
     pub band: usize,
     /// Row by row; `None`: no surface.
     pub pixels: Vec<Option<PixelBudget>>,
 }
 
-/// Pixels of a side, one of so many: the middle ones of as many equal parts.
+/// The middle pixel of each block of `every` pixels along a side.
 fn centres(pixels: u32, every: u32) -> impl ExactSizeIterator<Item = f64> {
     let every = every.clamp(1, pixels.max(1));
     let range: Range<u32> = 0..pixels.div_ceil(every);
@@ -89,7 +89,7 @@ fn centres(pixels: u32, every: u32) -> impl ExactSizeIterator<Item = f64> {
 /// [`Error::Interrupted`] if `watch` asks to stop.
 pub fn budget(locator: &Locator<'_>, knowledge: &Knowledge, asked: Asked, watch: Watch<'_>) -> Result<Budget> {
     if 1.0 + knowledge.bias.focal_length <= 0.0 {
-        let message = format!("{} of itself is more than all of a focal length", knowledge.bias.focal_length);
+        let message = format!("must be above -1: {}", knowledge.bias.focal_length);
         return Err(Error::invalid(Location::item("focal_length.bias"), message));
     }
     let camera = &locator.scene.exposure.camera;
@@ -114,7 +114,7 @@ pub fn budget(locator: &Locator<'_>, knowledge: &Knowledge, asked: Asked, watch:
     Ok(Budget { pixels: rows?.into_iter().flatten().collect(), size, band: asked.band, sources })
 }
 
-/// What all pixels share.
+/// State shared by all pixels.
 struct Study<'a> {
     locator: &'a Locator<'a>,
     knowledge: &'a Knowledge,
@@ -124,13 +124,13 @@ struct Study<'a> {
     draws: Vec<Deviation>,
 }
 
-/// A source's camera with its bias alone, and cameras one standard deviation before and behind the mean belief.
+/// A source's biased camera, and those at plus and minus one standard deviation.
 struct OfSource {
     biased: (Deviation, Believed),
     beside: Vec<[(Deviation, Believed); 2]>,
 }
 
-/// The cameras of a place: as it is, by each source, by all together, and of draws.
+/// The cameras of a place: true, by each source, by all together, and drawn.
 struct Cameras {
     truth: Believed,
     by_source: Vec<OfSource>,
@@ -159,7 +159,7 @@ impl Study<'_> {
     }
 
     fn row(&self, line: f64, samples: &[f64], band: usize) -> Result<Vec<Option<PixelBudget>>> {
-        // Places of a line are taken at one moment, but by a whisk-broom.
+        // Pixels of a line share an epoch, except for a whisk-broom.
         let one_by_one = self.locator.motion.is_some_and(|(_, timing)| matches!(timing.readout, Readout::Sample(_)));
         let mut cameras: Option<Cameras> = None;
         let mut row = Vec::with_capacity(samples.len());
@@ -196,7 +196,7 @@ impl Study<'_> {
         let covariance_m2 = |cameras: &OfSource, mean: &Met| {
             let covariance = |[before, behind]: &[(Deviation, Believed); 2]| {
                 let on_plane = |(by, camera): &(Deviation, Believed)| {
-                    // The plane was met where the mean belief has raised it to.
+                    // The plane includes the biased height.
                     let raised_m = raised(by) - raised(&together.0);
                     mean.on_plane(&camera.sight(self.locator, place), raised_m)
                 };

@@ -1,4 +1,4 @@
-//! Errors of a pixel by Monte Carlo: states that may be believed, drawn at random, and where each leads.
+//! Errors of a pixel by Monte Carlo.
 
 use glam::{DMat3, DVec3};
 
@@ -6,34 +6,34 @@ use super::{Asked, Deviation, Knowledge};
 use crate::geometry::whole;
 use crate::random::{Draws, mix};
 
-/// Errors that came out of draws, along east, north and up at the true point.
+/// Sampled errors, along east, north and up at the true point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampled {
-    /// Draws whose ray meets the believed surface.
+    /// Draws whose ray hits the believed surface.
     pub met: usize,
-    /// Draws whose ray does not.
+    /// Draws whose ray misses it.
     pub missed: usize,
     /// Their mean, m.
     pub mean_m: DVec3,
-    /// Their covariance, m^2, without the bias of small numbers; 0 of one alone.
+    /// Their unbiased covariance, m^2; 0 for a single draw.
     pub covariance_m2: DMat3,
-    /// 95 of 100 are off by less along the ground, m.
+    /// 95th percentile of the horizontal error, m.
     pub level_p95_m: f64,
 }
 
-/// The states of a study: the same for all of its pixels, as those of one image are.
+/// The drawn states: shared by all pixels, as within one image.
 pub(super) fn draws(knowledge: &Knowledge, asked: Asked) -> Vec<Deviation> {
     let mut draws = Draws::new(mix(asked.seed));
     (0..asked.draws).map(|_| knowledge.drawn(&mut draws)).collect()
 }
 
-/// The value that a share of sorted numbers does not pass.
+/// Percentile of sorted numbers.
 pub(super) fn nearest_rank(sorted: &[f64], share: f64) -> Option<f64> {
     let rank = (share * sorted.len() as f64).ceil().max(1.0);
     sorted.get(whole(rank) - 1).copied()
 }
 
-/// What errors, m, of some draws have in common.
+/// Statistics of errors, m.
 pub(super) fn sampled(errors_m: &[DVec3], drawn: usize) -> Sampled {
     let n = errors_m.len() as f64;
     let mean_m = errors_m.iter().sum::<DVec3>() / n.max(1.0);

@@ -1,7 +1,8 @@
-//! How far off a pixel is placed by someone who knows pointing, orbit, clock, lens and shape only so well.
+//! Geolocation error budget from uncertain pointing, orbit, clock, focal length and shape.
 //!
-//! The true place of a pixel is what [`Locator`](super::locate::Locator) says. The believed one is where the same pixel's ray meets the believed surface, from the
-//! believed state: that of the moment that the clock says, moved, turned and with the focal length as they are believed. An error is believed minus true.
+//! The true ground point of a pixel is what [`Locator`](super::locate::Locator) finds. The believed one is where the
+//! same pixel's ray meets the believed surface from the believed state (clock, position, attitude, focal length). An
+//! error is believed minus true.
 //!
 //! | what is wrong | moves the ground point, on level ground seen at emission e from a distance R, by |
 //! |---|---|
@@ -25,20 +26,20 @@ pub use budget::{Budget, Part, PixelBudget, budget};
 pub use drawn::Sampled;
 pub use summary::{Row, Spread, summary};
 
-/// What may be known wrongly.
+/// Sources of error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// How the sensor is turned.
+    /// Attitude.
     Attitude,
-    /// Where it is.
+    /// Position.
     Position,
-    /// When it looks.
+    /// Clock.
     Clock,
-    /// How long its focal length is.
+    /// Focal length.
     FocalLength,
-    /// How high the surface is.
+    /// Height of the surface.
     Height,
-    /// Which shape it has.
+    /// Shape.
     Mesh,
 }
 
@@ -60,23 +61,23 @@ impl Source {
     }
 }
 
-/// By how much a believed state differs from the true one.
+/// Deviation of a believed state from the true one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Deviation {
-    /// A turn about the sensor's axes x, y, z, by the right hand, rad.
+    /// Rotation about the sensor's axes x, y, z, right-handed, rad.
     pub attitude_rad: DVec3,
-    /// A way along the axes that the positions are stated in, m.
+    /// Displacement along the axes chosen for positions, m.
     pub position_m: DVec3,
-    /// Later than it is, s.
+    /// Clock, s, positive if late.
     pub clock_s: f64,
-    /// Longer than it is, relative.
+    /// Focal length, relative, positive if long.
     pub focal_length: f64,
-    /// Higher than it is, along the radius through the pixel's true point, m.
+    /// Height, positive if high, along the radius through the pixel's true point, m.
     pub height_m: f64,
 }
 
 impl Deviation {
-    /// One after the other.
+    /// Sum of two.
     #[must_use]
     fn and(self, other: Deviation) -> Self {
         Deviation {
@@ -88,7 +89,7 @@ impl Deviation {
         }
     }
 
-    /// The other way.
+    /// Negated.
     #[must_use]
     fn reversed(self) -> Self {
         Deviation {
@@ -100,7 +101,7 @@ impl Deviation {
         }
     }
 
-    /// What of it is one source's.
+    /// The part due to one source.
     #[must_use]
     fn of(self, source: Source) -> Self {
         let nothing = Deviation::default();
@@ -115,17 +116,17 @@ impl Deviation {
     }
 }
 
-/// The axes that an error of position is stated in.
+/// Axes of position errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PositionAxes {
-    /// Along the way over the turning body, across it (radial x along), and away from the body's centre.
+    /// Along-track over the rotating body, cross-track (radial x along), and radial.
     #[default]
     Track,
-    /// The body's.
+    /// Body axes.
     Body,
 }
 
-/// How much numbers scatter: factors L of covariances L L^T.
+/// Scatter: factors L of covariances L L^T.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scatter {
     /// Of the attitude, rad.
@@ -147,16 +148,16 @@ impl Default for Scatter {
     }
 }
 
-/// What is believed, and how well.
+/// Biases and scatter of all sources.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Knowledge {
-    /// The mean of what is believed, minus what is true.
+    /// Mean belief minus truth.
     pub bias: Deviation,
-    /// How it scatters about that; sources are independent of each other.
+    /// Scatter about that; sources are independent.
     pub scatter: Scatter,
-    /// The axes of errors of position.
+    /// Axes of position errors.
     pub axes: PositionAxes,
-    /// The surface that is believed to be there, local to the scene's origin, m; `None`: the true one.
+    /// The believed surface, local to the scene's origin, m; `None`: the true one.
     pub mesh: Option<Mesh>,
 }
 
@@ -177,7 +178,7 @@ impl Knowledge {
         all.into_iter().filter(|column| *column != nothing).collect()
     }
 
-    /// What is stated of: a source without a bias, a scatter or a mesh has no errors.
+    /// Sources with a stated bias, scatter or mesh.
     pub fn sources(&self) -> Vec<Source> {
         let is_stated = |source: &Source| match source {
             Source::Mesh => self.mesh.is_some(),
@@ -186,7 +187,7 @@ impl Knowledge {
         Source::ALL.into_iter().filter(is_stated).collect()
     }
 
-    /// One of the states that may be believed: nine normal numbers, whatever is stated, so that a source keeps its own when others are added.
+    /// A random believed state: always nine normal numbers, so that a source keeps its own when others are added.
     fn drawn(&self, draws: &mut Draws) -> Deviation {
         let mut three = || DVec3::from_array([0; 3].map(|_| draws.normal()));
         let (attitude, position, others) = (three(), three(), three());
@@ -200,24 +201,24 @@ impl Knowledge {
     }
 }
 
-/// What a budget is asked for.
+/// Options of a budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Asked {
     /// The band, counted from 0.
     pub band: usize,
-    /// One pixel of so many in either direction: 1 is all.
+    /// Every so many pixels in either direction: 1 is all.
     pub every: u32,
-    /// So many draws; 0: none.
+    /// Number of draws; 0: none.
     pub draws: u32,
-    /// The same seed, the same draws.
+    /// Seed.
     pub seed: u64,
 }
 
 /// Elements of a covariance that should be the same differ by this at most, over the standard deviations of their rows: the digits of a file.
 const WRITTEN: f64 = 1e-5;
 
-/// The factor L of a covariance L L^T, rows first, by Cholesky; of one that has no extent in some direction too. `None` if it is no covariance: not symmetric, or
-/// negative somewhere, by more than rounding.
+/// The Cholesky factor L of a covariance L L^T, rows first; the covariance may be singular. `None` if it is not
+/// symmetric, or negative by more than rounding.
 pub fn factor(covariance: [[f64; 3]; 3]) -> Option<DMat3> {
     // Files hold six digits or more; what is meant lies between the two.
     let half = |i: usize, j: usize| 0.5 * (covariance[i][j] + covariance[j][i]);

@@ -1,4 +1,4 @@
-//! The ray of a pixel as it is believed to go, and where it meets what is believed to be there.
+//! The believed ray of a pixel, and where it meets the believed surface.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -9,7 +9,7 @@ use crate::geometry::{Direction, FrameCamera, Mesh, body_from_site};
 use crate::study::locate::{Locator, Now, Place};
 use crate::visibility::RayTree;
 
-/// A camera as it is believed to be.
+/// A believed camera.
 pub(super) struct Believed {
     now: Now,
     focal_length: f64,
@@ -44,7 +44,7 @@ impl Believed {
         by: &Deviation,
     ) -> Result<Self> {
         if by.clock_s != 0.0 && locator.motion.is_none() {
-            let message = "the scene states places and no time: an error of a clock moves nothing; leave `clock` out, or give the scene a `[flight]`";
+            let message = "`clock` needs a scene with `[flight]`: add one, or leave `clock` out";
             return Err(Error::invalid(Location::item("clock"), message));
         }
         let Now { camera, epoch } = locator.camera_later(place, band, by.clock_s)?;
@@ -73,21 +73,21 @@ impl Believed {
 /// Along-track, cross-track and radial axes as columns, body-fixed.
 fn track(locator: &Locator<'_>, epoch: Option<Epoch>, from_centre_m: DVec3) -> Result<DMat3> {
     let refused = |why: &str| {
-        Err(Error::invalid(Location::item("position.axes"), format!("{why}: say axes = \"body\", and state x, y, z")))
+        Err(Error::invalid(Location::item("position.axes"), format!("{why}; or use axes = \"body\" and give x, y, z")))
     };
     let (Some((motion, _)), Some(epoch)) = (locator.motion, epoch) else {
-        return refused("the scene states places and no way along which the camera goes");
+        return refused("axes = \"track\" needs a moving camera (`[flight]`)");
     };
     let velocity = motion.velocity_m_s(epoch, from_centre_m)?;
     let (Some(radial), Some(across)) = (Direction::new(from_centre_m), Direction::new(from_centre_m.cross(velocity)))
     else {
-        return refused("the camera stands still over the ground, or goes straight up or down");
+        return refused("axes = \"track\" needs a ground track: the camera does not move, or moves along the radius");
     };
     Ok(DMat3::from_cols(across.vec().cross(radial.vec()), across.vec(), radial.vec()))
 }
 
 impl Ground<'_> {
-    /// Where a ray first meets this surface, raised by some way.
+    /// Where a ray first meets this surface, raised by a height.
     pub(super) fn met(&self, sight: &Sight, raised_m: DVec3) -> Option<Met> {
         // A lens shows nothing beyond its fold.
         let hit = self.tree.nearest(sight.from_m - raised_m, sight.along).filter(|_| sight.along.is_finite())?;
@@ -97,14 +97,14 @@ impl Ground<'_> {
 }
 
 impl Met {
-    /// Where a ray meets the plane of the facet that was met, raised by some way.
+    /// Where a ray meets the plane of a facet, raised by a height.
     pub(super) fn on_plane(&self, sight: &Sight, raised_m: DVec3) -> DVec3 {
         let t = self.normal.dot(self.point_m + raised_m - sight.from_m) / self.normal.dot(sight.along);
         sight.from_m + t * sight.along
     }
 }
 
-/// East, north and up at a local point as columns; at the body's centre, where nothing is up, the body's axes.
+/// East, north and up at a local point as columns; at the body's centre, where they are undefined, the body axes.
 pub(super) fn site(locator: &Locator<'_>, local_m: DVec3) -> DMat3 {
     body_from_site(local_m + locator.scene.body.origin_m).unwrap_or(DMat3::IDENTITY)
 }

@@ -1,18 +1,18 @@
-//! The errors of an image in a few numbers.
+//! Summary statistics of an image's errors.
 
 use serde::Serialize;
 
 use super::budget::{Budget, Part, PixelBudget};
 use super::drawn::nearest_rank;
 
-/// How numbers are spread over pixels.
+/// Statistics over pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
     /// Their mean.
     pub mean: f64,
     /// Their root mean square.
     pub rms: f64,
-    /// 95 of 100 are below.
+    /// 95th percentile.
     pub p95: f64,
     /// The largest.
     pub max: f64,
@@ -23,13 +23,13 @@ pub struct Spread {
 pub struct Row {
     /// A source; `rss`, the root of the sum of their squares; `total`, all at once; or `monte_carlo`, the same from draws.
     pub source: &'static str,
-    /// Pixels that have an error: believed rays meet the surface.
+    /// Pixels whose believed rays hit the surface.
     pub pixels: usize,
-    /// In space, m.
+    /// 3D error, m.
     pub error_m: Spread,
-    /// Along the ground, m.
+    /// Horizontal error, m.
     pub level_m: Spread,
-    /// That over the pixel's width at its range.
+    /// Horizontal error, pixels.
     pub level_px: Spread,
 }
 

@@ -64,7 +64,7 @@ pub struct Point {
 impl Sweep {
     /// The first value at which the error exceeds a level.
     pub fn fails_from(&self, level: f64) -> Option<f64> {
-        // What is not a number is no result.
+        // What is not a number is not a result.
         self.points.iter().find(|point| point.error.is_nan() || point.error > level).map(|point| point.at)
     }
 

@@ -29,7 +29,7 @@ pub(super) struct Corners {
 /// The image's own file is taken where it is there: it has all digits.
 ///
 /// # Errors
-/// [`Error::Io`]; [`Error::Invalid`] where neither file has them, or they are no numbers.
+/// [`Error::Io`]; [`Error::Invalid`] where neither file has them, or they are not numbers.
 pub(super) fn read(image: &Path, number: u32, size: [usize; 2]) -> Result<(Corners, Location)> {
     let own = image.with_extension("gr#");
     let common = image.with_file_name("georef");

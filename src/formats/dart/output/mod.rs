@@ -250,7 +250,7 @@ impl Output {
         bands
     }
 
-    /// Names of images that are no parallel views: a camera's; then what else lies there that is not read.
+    /// Names of images that are not parallel views: a camera's; then what else lies there that is not read.
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
     }

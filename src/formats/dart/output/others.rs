@@ -1,4 +1,4 @@
-//! What a simulation's `output/` holds that is no map here: listed by name, and otherwise ignored.
+//! What a simulation's `output/` holds that is not a map here: listed by name, and otherwise ignored.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -104,7 +104,7 @@ fn factors(property: &Element, bands: usize, reading: &mut Reading) -> Vec<Vec<(
 
 fn factors_at(element: &Element, reading: &mut Reading) -> Vec<(String, f64)> {
     let mut factors = Vec::new();
-    // What is no factor: switches, and how quickly transmittance acts.
+    // What is not a factor: switches, and how quickly transmittance acts.
     let is_factor = |name: &str| !name.starts_with("use") && name != "diffuseTransmittanceAcceleration";
     for attribute in element.attributes.iter().filter(|a| is_factor(&a.name)) {
         match number(&attribute.value) {

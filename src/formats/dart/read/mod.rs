@@ -142,7 +142,7 @@ impl Inputs {
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Invalid`] with everything in the files that cannot be read or used, each at its place:
-/// text that is not XML, missing files, elements and attributes, values that are no numbers, paths out of the folder.
+/// text that is not XML, missing files, elements and attributes, values that are not numbers, paths out of the folder.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<(Simulation, Report, Vec<InputFile>)> {
     let folder = options.folder(path);
     let mut inputs = Inputs::read(&folder)?;

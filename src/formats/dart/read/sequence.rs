@@ -186,7 +186,7 @@ pub(super) fn read(folder: &Folder, reading: &mut Reading) -> Vec<Sequence> {
     sequences
 }
 
-/// XML files, sorted by name, that are no input of the simulation itself.
+/// XML files, sorted by name, that are not inputs of the simulation itself.
 fn candidates(folder: &Folder) -> Vec<PathBuf> {
     let mut paths = Vec::new();
     let mut places = vec![&folder.simulation];
@@ -242,7 +242,7 @@ fn entry(element: &Element, reading: &mut Reading) -> SequenceEntry {
             Some(linear) => values = linear,
             None => {
                 let message =
-                    format!("`{args}`: a start, a step and a whole number of values belong here, as in `0;5;7`");
+                    format!("`{args}`: a start, a step and a whole number of values belong here, e.g. `0;5;7`");
                 reading.problem(element.at_attribute("args"), message);
             }
         },

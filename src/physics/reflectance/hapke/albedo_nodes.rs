@@ -1,7 +1,7 @@
 //! Hapke's model at all wavelengths by its values at a few single-scattering albedos.
 //!
 //! At fixed angles f / w is a smooth function of gamma = sqrt(1 - w), close to a polynomial: f(w) = sum over nodes of
-//! (f_k / w_k) w L_k(gamma), with Lagrange's polynomials L_k. The first factor is geometry, a weight; the rest is a spectrum, a row.
+//! (f_k / w_k) w L_k(gamma), with Lagrange polynomials L_k. The first factor is geometry, a weight; the rest is a spectrum, a row.
 
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;

@@ -48,7 +48,7 @@ pub struct Parameters {
 /// A peak of brightness about phase 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surge {
-    /// Height B0, from 0; 0 is no peak.
+    /// Height B0, from 0; 0 is not a peak.
     pub amplitude: f64,
     /// Width h: half of the height at tan(g / 2) = h, for shadows. Above 0.
     pub width: f64,
