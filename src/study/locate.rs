@@ -17,6 +17,9 @@ use crate::visibility::RayTree;
 
 /// Least number of epochs at which the side of the slit is tested.
 const LOOKS: usize = 64;
+/// Epochs in a cycle of the fastest jitter, and how many at most.
+const LOOKS_OF_CYCLE: f64 = 16.0;
+const MOST_LOOKS: f64 = 65_536.0;
 /// Most iterations for the mirror angle of a point.
 const TURNS: usize = 50;
 /// Most bisections between two epochs: to machine precision.
@@ -315,7 +318,13 @@ impl<'a> Locator<'a> {
         };
         // Half a line beyond both ends, so that what lies on one is not lost by rounding.
         let lines = f64::from(self.scene.exposure.camera.lines) + 1.0;
-        let looks = LOOKS.max(self.scene.exposure.camera.lines as usize / 16);
+        // Jitter moves the slit to and fro.
+        let cycles = self.motion.map_or(0.0, |(motion, timing)| {
+            motion.pointing.jitter.as_ref().map_or(0.0, |jitter| jitter.band_hz[1] * timing.period_s * lines)
+        });
+        let looks = LOOKS
+            .max(self.scene.exposure.camera.lines as usize / 16)
+            .max(whole((LOOKS_OF_CYCLE * cycles).min(MOST_LOOKS)));
         let at = |i: usize| lines * i as f64 / looks as f64 - 0.5;
         // The half lines may lie outside the coverage: an error only if nothing is known at any of them.
         let (mut unknown, mut known) = (None, 0);

@@ -380,9 +380,9 @@ fn velocities_are_the_rates_of_positions() {
             };
             let rate_m_s = (state(10.0).position_m - state(-10.0).position_m) / 20.0;
             let velocity_m_s = state(0.0).velocity_m_s;
-            // A difference over 20 s is off by (w h)^2 / 6: 1e-6 of a turn in 7.7 hours.
+            // A difference over 20 s is off by 1e-6; elements about the Sun leave their own slow change out.
             assert!(
-                (velocity_m_s - rate_m_s).length() < 1e-6 * rate_m_s.length() + 0.02,
+                (velocity_m_s - rate_m_s).length() < 5e-5 * rate_m_s.length(),
                 "{target} {centre} {at_s}: {velocity_m_s} {rate_m_s}"
             );
             fastest_m_s = fastest_m_s.max(if centre == "MARS" { velocity_m_s.length() } else { 0.0 });

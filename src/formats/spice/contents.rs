@@ -132,7 +132,7 @@ fn of_text(text: &str, path: &Path) -> Result<Contents> {
     let leap_seconds = pool.has("DELTET/DELTA_AT").then(|| almanac.leap.last_step());
     Ok(Contents {
         kind: if kernels.is_empty() { "text kernel" } else { "meta-kernel: a list of kernels" },
-        rotations: rotating_bodies(pool).map(|id| body(&id.to_string())).collect(),
+        rotations: rotating_bodies(pool).into_iter().map(|id| body(&id.to_string())).collect(),
         radii: with("BODY", "_RADII").iter().map(body).collect(),
         names: names.iter().zip(codes).map(|(name, code)| format!("{name} {code}")).collect(),
         frames: Frames::of(&almanac)?.names(),

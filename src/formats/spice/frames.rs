@@ -1,5 +1,7 @@
 //! SPICE frames: their numbers, and their orientations by frame kernels (FK) and text PCK.
 
+use std::collections::BTreeSet;
+
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::error::Result;
@@ -102,9 +104,16 @@ impl Frames {
     }
 }
 
-/// Bodies whose prime meridian is known.
-pub(super) fn rotating_bodies(pool: &Pool) -> impl Iterator<Item = i32> {
-    pool.iter().filter_map(|(variable, _)| variable.strip_prefix("BODY")?.strip_suffix("_PM")?.parse().ok())
+/// Variables of a rotation, after the body's number.
+const ROTATION: [&str; 3] = ["POLE_RA", "POLE_DEC", "PM"];
+
+/// Bodies of whose rotation something is known, ascending.
+pub(super) fn rotating_bodies(pool: &Pool) -> BTreeSet<i32> {
+    let body = |variable: &str| {
+        let (body, of) = variable.strip_prefix("BODY")?.split_once('_')?;
+        ROTATION.contains(&of).then(|| body.parse().ok()).flatten()
+    };
+    pool.iter().filter_map(|(variable, _)| body(variable)).collect()
 }
 
 /// Orients frames by the variables of text kernels.
@@ -200,7 +209,7 @@ fn rotation_model(body: i32, pool: &Pool) -> Result<Turning> {
         match angle.polynomial.len() {
             0 => {
                 // Said where one of the others is.
-                let there = ["PM", "POLE_RA", "POLE_DEC"].map(|of| format!("BODY{body}_{of}"));
+                let there = ROTATION.map(|of| format!("BODY{body}_{of}"));
                 let there = there.iter().find(|name| pool.has(name)).unwrap_or(&name);
                 Err(pool.wrong(there, &format!("is not all of a rotation: {name} is missing")))
             }
