@@ -124,10 +124,15 @@ impl CampaignFolder {
         npz::sights_id(&self.sights(name)).is_ok_and(|found| found == id)
     }
 
-    /// Whether an acquisition's product is there, complete, and made from this.
-    pub fn has_product(&self, name: &str, id: &str, options: &ProductOptions) -> bool {
+    /// Whether somebody is making something of an acquisition; of what killed runs have left [`settle`](Self::settle) comes first.
+    pub fn is_being_made(&self, name: &str) -> bool {
+        [self.product(name), self.sights(name)].iter().any(|path| staging::is_staged(path))
+    }
+
+    /// The report of an acquisition's product, if that is there, complete, and made from this.
+    pub fn product_report(&self, name: &str, id: &str, options: &ProductOptions) -> Option<ProductReport> {
         let folder = self.product(name);
-        let Ok(report) = report_json::read::<ProductReport>(&folder.join("report.json")) else { return false };
+        let report = report_json::read::<ProductReport>(&folder.join("report.json")).ok()?;
         let image = &report.image;
         let width = match options.precision {
             Precision::U16 => 2,
@@ -146,16 +151,18 @@ impl CampaignFolder {
             (report.signal.is_some(), "snr.img"),
         ];
         parts.extend(more.iter().filter(|(is_wanted, _)| *is_wanted).map(|(_, part)| *part));
-        report.scene == id && bytes("cube.img") == cube_bytes && parts.iter().all(|part| bytes(part) > 0)
+        let is_whole =
+            report.scene == id && bytes("cube.img") == cube_bytes && parts.iter().all(|part| bytes(part) > 0);
+        is_whole.then_some(report)
     }
 
-    /// Writes an acquisition's sightings.
+    /// Makes an acquisition's sightings and writes them: other processes see at once that they are being made.
     ///
     /// # Errors
-    /// Those of [`Staged::file`]; [`Error::Io`].
-    pub fn put_sights(&self, name: &str, sights: &Sights, id: &str) -> Result<()> {
+    /// Those of `make` and of [`Staged::file`]; [`Error::Io`].
+    pub fn put_sights(&self, name: &str, id: &str, make: impl FnOnce() -> Result<Sights>) -> Result<()> {
         let staged = Staged::file(&self.sights(name), true)?;
-        npz::write_sights(staged.path(), sights, id).map_err(|e| staged.named(e))?;
+        npz::write_sights(staged.path(), &make()?, id).map_err(|e| staged.named(e))?;
         staged.commit()
     }
 
