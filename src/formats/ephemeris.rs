@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::flight_file::FlightFile;
 use super::format::{Format, Holds, ending};
-use super::{input, registry, spice};
+use super::{flight_doubts, input, registry, spice};
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::{Almanac, LeapSeconds};
 
@@ -19,21 +19,22 @@ pub fn furnish(path: &Path, almanac: &mut Almanac) -> Result<()> {
     furnish_all(&[path.to_owned()], almanac).map(|_| ())
 }
 
-/// Reads files into an almanac, and returns all that were read, including those that meta-kernels list. Kernels come
-/// first, because their names and leap seconds are needed to interpret other files; where two of a kind overlap the
-/// later one is used, and other files override kernels.
+/// Reads files into an almanac, and returns all that were read, those that meta-kernels name too, and what is doubtful in them. Kernels come first, because names and leap seconds of theirs
+/// say what other files mean; of two files that know the same, the later one of either kind holds, and one that is no kernel stands before kernels.
 ///
 /// # Errors
 /// As [`furnish`].
-pub fn furnish_all(paths: &[PathBuf], almanac: &mut Almanac) -> Result<Vec<PathBuf>> {
+pub fn furnish_all(paths: &[PathBuf], almanac: &mut Almanac) -> Result<(Vec<PathBuf>, Vec<String>)> {
     let (mut kernels, mut others) = (Vec::new(), Vec::new());
     for path in paths {
         let of_its_kind = if is_kernel(path)? { &mut kernels } else { &mut others };
         of_its_kind.push(path.clone());
     }
     let mut all = spice::furnish(&kernels, almanac)?;
+    let mut doubts = Vec::new();
     for path in others {
         let file = read(&path, &almanac.leap)?;
+        doubts.extend(flight_doubts::doubts(&file).iter().map(|doubt| format!("{}: {doubt}", path.display())));
         for (_, mut trajectory) in file.trajectories {
             trajectory.target = almanac.names.body(&trajectory.target);
             trajectory.centre = almanac.names.body(&trajectory.centre);
@@ -42,7 +43,7 @@ pub fn furnish_all(paths: &[PathBuf], almanac: &mut Almanac) -> Result<Vec<PathB
         almanac.orientations.extend(file.orientations.into_iter().map(|(_, orientation)| orientation));
         all.push(path);
     }
-    Ok(all)
+    Ok((all, doubts))
 }
 
 /// Reads a file of trajectories and orientations that is not a kernel, with these leap seconds.

@@ -47,7 +47,9 @@ impl TomlReader<'_> {
             let read = ephemeris::furnish_all(&paths, &mut almanac);
             let read = self.taken("flight.files", read);
             all_read = read.is_some();
-            for path in read.into_iter().flatten() {
+            let (files, doubts) = read.unwrap_or_default();
+            self.notes.extend(doubts.iter().map(|doubt| format!("flight.files: {doubt}")));
+            for path in files {
                 let input = self.taken("flight.files", InputFile::hashed(&path));
                 self.inputs.extend(input.filter(|input| !self.inputs.contains(input)));
             }
