@@ -19,8 +19,9 @@ pub fn furnish(path: &Path, almanac: &mut Almanac) -> Result<()> {
     furnish_all(&[path.to_owned()], almanac).map(|_| ())
 }
 
-/// Reads files into an almanac, and returns all that were read, those that meta-kernels name too, and what is doubtful in them. Kernels come first, because names and leap seconds of theirs
-/// say what other files mean; of two files that know the same, the later one of either kind holds, and one that is no kernel stands before kernels.
+/// Reads files into an almanac, and returns all that were read, including those that meta-kernels list, and what is doubtful
+/// in them. Kernels come first, because their names and leap seconds are needed to interpret other files; where two of a kind
+/// overlap the later one is used, and other files override kernels.
 ///
 /// # Errors
 /// As [`furnish`].
