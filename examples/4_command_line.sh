@@ -6,7 +6,7 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 mmxrt() {
     echo "+ mmxrt $*"
-    ${MMXRT:-cargo run --profile quick --quiet --} "$@"
+    command ${MMXRT:-cargo run --profile quick --quiet --} "$@"
 }
 
 # A landscape from a recipe: OBJ and MTL, at any number of facets.

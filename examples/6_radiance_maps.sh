@@ -11,7 +11,7 @@ else
 fi
 mmxrt() {
     echo "+ mmxrt $*"
-    ${MMXRT:-cargo run --profile quick --quiet --} "$@"
+    command ${MMXRT:-cargo run --profile quick --quiet --} "$@"
 }
 
 # (a) Our own solver's table is one of the things that can be integrated. It serves any camera and any bands.

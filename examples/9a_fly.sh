@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# An orbit, and two instruments over the same site: bash examples/9a_fly.sh [full]
+# An orbit, and two instruments over the same site: OUT=out/fly bash examples/9a_fly.sh [full]
 # MacrOmega takes a band a second and follows the site; MIRS takes a strip, line by line. Without `full` both take little: half an hour becomes a minute.
+# Without OUT nothing is kept.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${OUT:-$(mktemp -d)}
 [ -n "${OUT:-}" ] || trap 'rm -rf "$out"' EXIT
 mmxrt() {
     echo "+ mmxrt $*"
-    ${MMXRT:-cargo run --profile quick --quiet --} "$@"
+    command ${MMXRT:-cargo run --profile quick --quiet --} "$@"
 }
 
 # Mars' light comes from many directions, and a surface with a model is asked about each on every quarter of a pixel: that takes ten times as long.

@@ -6,7 +6,7 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 mmxrt() {
     echo "+ mmxrt $*"
-    ${MMXRT:-cargo run --profile quick --quiet --} "$@"
+    command ${MMXRT:-cargo run --profile quick --quiet --} "$@"
 }
 
 pair=scenes/phobos_flight/stereo.toml

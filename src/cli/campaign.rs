@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let mut report = |status: Status| {
         let seconds = before.get().0.elapsed().as_secs_f64();
         before.set((Instant::now(), console.cpu_s()));
-        status.settled.iter().for_each(|said| console.note(said));
+        status.told.iter().for_each(|said| console.note(said));
         console.line(&line(&status, seconds))
     };
     let finished = job::campaign(&mut campaign, &order, &run, &mut report, &watch)?;
@@ -74,11 +74,16 @@ fn line(status: &Status, seconds: f64) -> serde_json::Value {
         State::Done => "done",
         State::Kept => "kept",
         State::Failed => "failed",
+        State::Busy => "busy",
     };
     let mut line = json!({
         "name": status.name, "epoch": format!("{} UTC", status.epoch_utc), "state": state,
         "seconds": (seconds * 1000.0).round() / 1000.0, "where": status.path.display().to_string(),
     });
+    if let Some(first) = status.warnings.first() {
+        line["warnings"] = json!(status.warnings.len());
+        line["first_warning"] = json!(first);
+    }
     if !status.errors.is_empty() {
         line["errors"] = json!(status.errors);
     }
@@ -93,7 +98,14 @@ fn say(finished: &Finished, console: &Console) {
         console.note(&format!("warning: products/{name} belongs to no acquisition of this campaign"));
     }
     match manifest {
-        Some(manifest) => coverage(manifest, path).iter().for_each(|said| console.note(said)),
+        Some(manifest) => {
+            let warned = manifest.warned().count();
+            if warned > 0 {
+                let all = manifest.acquisitions.len();
+                console.note(&format!("{warned} of {all} have warnings: `first_warning` in {}", path.display()));
+            }
+            coverage(manifest, path).iter().for_each(|said| console.note(said));
+        }
         None => console.note("other shards are unfinished: the last one writes the manifest"),
     }
 }

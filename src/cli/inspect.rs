@@ -13,8 +13,8 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
-    envi, ephemeris, exposures_csv, exr_cube, gltf, npz, obj, pixel, product_folder, radiance_map, recipe_toml,
-    registry, spice,
+    envi, ephemeris, exposures_csv, exr_cube, flight_doubts, gltf, npz, obj, pixel, product_folder, radiance_map,
+    recipe_toml, registry, spice,
 };
 use mmxrt::job::{self, CurveSheet, FlightFacts, PartFacts, SurfaceFacts, Survey};
 use mmxrt::physics::reflectance::Preset;
@@ -353,6 +353,7 @@ fn flight(path: &Path, kind: &str) -> Result<Facts> {
         ("gaps", gaps.collect()),
         ("altitude_km", altitudes.collect()),
         ("told", file.report.notes.iter().map(|note| json!(note.to_string())).collect()),
+        ("doubts", json!(flight_doubts::doubts(&file))),
     ])
 }
 

@@ -124,10 +124,15 @@ impl CampaignFolder {
         npz::sights_id(&self.sights(name)).is_ok_and(|found| found == id)
     }
 
-    /// Whether an acquisition's product is there, complete, and made from this.
-    pub fn has_product(&self, name: &str, id: &str, options: &ProductOptions) -> bool {
+    /// Whether somebody is making something of an acquisition; of what killed runs have left [`settle`](Self::settle) comes first.
+    pub fn is_being_made(&self, name: &str) -> bool {
+        [self.product(name), self.sights(name)].iter().any(|path| staging::is_staged(path))
+    }
+
+    /// The report of an acquisition's product, if that is there, complete, and made from this.
+    pub fn product_report(&self, name: &str, id: &str, options: &ProductOptions) -> Option<ProductReport> {
         let folder = self.product(name);
-        let Ok(report) = report_json::read::<ProductReport>(&folder.join("report.json")) else { return false };
+        let report = report_json::read::<ProductReport>(&folder.join("report.json")).ok()?;
         let image = &report.image;
         let width = match options.precision {
             Precision::U16 => 2,
@@ -136,8 +141,8 @@ impl CampaignFolder {
         };
         let cube_bytes = image.samples * image.lines * image.bands * width;
         // What it was made with is in the run, and what of that is still there, in the folder.
-        let Ok(run) = report_json::read::<Run>(&folder.join("run.json")) else { return false };
-        let Ok(found) = product_folder::files(&folder) else { return false };
+        let run = report_json::read::<Run>(&folder.join("run.json")).ok()?;
+        let found = product_folder::files(&folder).ok()?;
         let is_there = |(name, bytes): (&String, &u64)| {
             found.binary_search_by(|(other, _)| other.cmp(name)).is_ok_and(|place| found[place].1 == *bytes)
         };
@@ -147,19 +152,20 @@ impl CampaignFolder {
             (options.table, "table.npz"),
             (options.footprints, "footprints.npz"),
         ];
-        report.scene == id
+        let is_whole = report.scene == id
             && run.files.get("cube.img") == Some(&cube_bytes)
             && wanted.iter().all(|(is_wanted, part)| !is_wanted || run.files.contains_key(*part))
-            && run.files.iter().all(is_there)
+            && run.files.iter().all(is_there);
+        is_whole.then_some(report)
     }
 
-    /// Writes an acquisition's sightings.
+    /// Makes an acquisition's sightings and writes them: other processes see at once that they are being made.
     ///
     /// # Errors
-    /// Those of [`Staged::file`]; [`Error::Io`].
-    pub fn put_sights(&self, name: &str, sights: &Sights, id: &str) -> Result<()> {
+    /// Those of `make` and of [`Staged::file`]; [`Error::Io`].
+    pub fn put_sights(&self, name: &str, id: &str, make: impl FnOnce() -> Result<Sights>) -> Result<()> {
         let staged = Staged::file(&self.sights(name), true)?;
-        npz::write_sights(staged.path(), sights, id).map_err(|e| staged.named(e))?;
+        npz::write_sights(staged.path(), &make()?, id).map_err(|e| staged.named(e))?;
         staged.commit()
     }
 

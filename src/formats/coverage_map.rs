@@ -15,6 +15,8 @@ const UNSEEN: Colour = [214, 217, 222];
 const NOTHING: Colour = [255, 255, 255];
 /// Height of the scale of colours, px, and how far below the map it begins.
 const BAR: [f64; 2] = [14.0, 44.0];
+/// Scales of colours go to where this share of what is seen lies: a few facets would take most of the colours.
+const MOST: f64 = 0.99;
 /// Labels of an axis are at least so far apart, px.
 const APART: f64 = 72.0;
 
@@ -55,17 +57,15 @@ struct Scale {
 
 /// How finely each place has been seen at best, as PNG: the finer, the brighter.
 pub(super) fn sampling(map: &SurfaceMap, coverage: &Coverage, said: &str) -> Vec<u8> {
-    let known = || coverage.sampling_m.iter().copied().filter(|m| m.is_finite());
-    let ends = [known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max)];
-    // From the next finer to the next coarser number of the kind 1, 2, 5.
-    let (mut finest, mut coarsest) = (1.0, 10.0);
-    if ends[0] <= ends[1] {
-        finest = one_two_five(ends[0], |x, end| x <= end * (1.0 + 1e-9)).next_back().unwrap_or(ends[0]);
-        coarsest = one_two_five(ends[1], |x, end| x * (1.0 + 1e-9) >= end).next().unwrap_or(ends[1]);
-        if coarsest <= finest {
-            coarsest = 10.0 * finest;
-        }
-    }
+    let mut known: Vec<f64> = coverage.sampling_m.iter().copied().filter(|m| m.is_finite()).collect();
+    known.sort_by(f64::total_cmp);
+    let (finest, coarsest) = sampling_ends(&known);
+    let beyond = known.len() - known.partition_point(|m| *m <= coarsest * (1.0 + 1e-9));
+    let said = match beyond {
+        0 => said.to_owned(),
+        1 => format!("{said}; 1 facet more coarsely than the scale goes, up to {} m", whole_m(&known)),
+        _ => format!("{said}; {beyond} facets more coarsely than the scale goes, up to {} m", whole_m(&known)),
+    };
     let share = |m: f64| (coarsest / m).ln() / (coarsest / finest).ln();
     let ticks = one_two_five(finest, |_, _| true)
         .chain(one_two_five(coarsest, |_, _| true))
@@ -75,19 +75,47 @@ pub(super) fn sampling(map: &SurfaceMap, coverage: &Coverage, said: &str) -> Vec
     ticks.dedup_by(|a, b| a.1 == b.1);
     let scale = Scale { title: "Finest ground sampling", unit: "m", ticks };
     let of = |facet: usize| coverage.sampling_m[facet].is_finite().then(|| share(coverage.sampling_m[facet]));
-    picture(map, &scale, said, of)
+    picture(map, &scale, &said, of)
+}
+
+/// The coarsest, m, as a number to read.
+fn whole_m(sorted: &[f64]) -> String {
+    sorted.last().map_or_else(String::new, |m| number(format!("{m:.1e}").parse().unwrap_or(*m)))
+}
+
+/// The ends of a scale, m, of samplings in their order: numbers of the kind 1, 2, 5 around all but a hundredth at either end, which are facets that are seen
+/// along the ground or at the rim.
+fn sampling_ends(sorted: &[f64]) -> (f64, f64) {
+    let (Some(low), Some(high)) = (at_share(sorted, 1.0 - MOST), at_share(sorted, MOST)) else { return (1.0, 10.0) };
+    let finest = one_two_five(low, |x, end| x <= end * (1.0 + 1e-9)).next_back().unwrap_or(low);
+    let coarsest = one_two_five(high, |x, end| x * (1.0 + 1e-9) >= end).next().unwrap_or(high);
+    (finest, if coarsest <= finest { 10.0 * finest } else { coarsest })
+}
+
+/// The value that this share of some in their order does not go beyond.
+fn at_share<T: Copy>(sorted: &[T], share: f64) -> Option<T> {
+    let last = sorted.len().checked_sub(1)?;
+    sorted.get(crate::geometry::whole((share * last as f64).round())).copied()
 }
 
 /// How often each place has been seen, as PNG.
 pub(super) fn count(map: &SurfaceMap, coverage: &Coverage, said: &str) -> Vec<u8> {
-    let most = f64::from(coverage.sights.iter().copied().max().unwrap_or(0).max(1));
+    let mut seen: Vec<u32> = coverage.sights.iter().copied().filter(|count| *count > 0).collect();
+    seen.sort_unstable();
+    let most = f64::from(at_share(&seen, MOST).unwrap_or(1));
+    let said = match seen.last() {
+        Some(last) if f64::from(*last) > most => {
+            format!("{said}; a hundredth more often than the scale goes, up to {last} times")
+        }
+        _ => said.to_owned(),
+    };
     let step = (most / 8.0).max(1.0);
     let step = one_two_five(step, |x, end| x * (1.0 + 1e-9) >= end).next().unwrap_or(step);
     let shown = (0..=crate::geometry::whole(most / step)).map(|i| i as f64 * step);
     let ticks = shown.map(|n| (n / most, number(n))).collect();
     let scale = Scale { title: "Number of sights", unit: "acquisitions", ticks };
     let of = |facet: usize| Some(f64::from(coverage.sights[facet]) / most).filter(|share| *share > 0.0);
-    picture(map, &scale, said, of)
+    picture(map, &scale, &said, of)
 }
 
 /// 1, 2 and 5 times powers of ten around a number, ascending, of those that are as they should be beside it.
@@ -164,4 +192,23 @@ fn degrees([first, last]: [f64; 2], length: f64, named: impl Fn(f64) -> f64) -> 
     let all = (0..=crate::geometry::whole(length)).map(|i| (from + i as f64) * step).take_while(|deg| *deg <= last);
     // Steps are written with two digits: a hundredth is rounded no further.
     all.map(|deg| ((deg - first) / span, number((named(deg) * 100.0).round() / 100.0))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scales_go_around_what_is_there() {
+        // An image of 14 m, of which five facets of a thousand are seen along the ground.
+        let mut of: Vec<f64> = (0..995).map(|i| 13.5 + 1e-3 * f64::from(i)).collect();
+        of.extend([100.0, 300.0, 500.0, 1000.0, 1900.0]);
+        assert_eq!(sampling_ends(&of), (10.0, 20.0));
+        assert_eq!((sampling_ends(&[]), sampling_ends(&[20.0])), ((1.0, 10.0), (20.0, 200.0)));
+        let counts: Vec<u32> = (1..=201).collect();
+        assert_eq!(
+            (at_share(&counts, MOST), at_share::<u32>(&[], MOST), at_share(&[7], MOST)),
+            (Some(199), None, Some(7))
+        );
+    }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::flight_file::FlightFile;
 use super::format::{Format, Holds, ending};
-use super::{input, registry, spice};
+use super::{flight_doubts, input, registry, spice};
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::{Almanac, LeapSeconds};
 use crate::report::Report;
@@ -27,6 +27,8 @@ pub struct Furnished {
     pub paths: Vec<PathBuf>,
     /// What was taken that they do not say, and what of them is lost.
     pub report: Report,
+    /// What is doubtful in them, as sentences.
+    pub doubts: Vec<String>,
 }
 
 /// Reads files into an almanac, and returns all that were read, including those that meta-kernels list. Kernels come
@@ -41,9 +43,10 @@ pub fn furnish_all(paths: &[PathBuf], almanac: &mut Almanac) -> Result<Furnished
         let of_its_kind = if is_kernel(path)? { &mut kernels } else { &mut others };
         of_its_kind.push(path.clone());
     }
-    let mut all = Furnished { paths: spice::furnish(&kernels, almanac)?, report: Report::default() };
+    let mut all = Furnished { paths: spice::furnish(&kernels, almanac)?, report: Report::default(), doubts: vec![] };
     for path in others {
         let file = read(&path, &almanac.leap)?;
+        all.doubts.extend(flight_doubts::doubts(&file).iter().map(|doubt| format!("{}: {doubt}", path.display())));
         for (_, mut trajectory) in file.trajectories {
             trajectory.target = almanac.names.body(&trajectory.target);
             trajectory.centre = almanac.names.body(&trajectory.centre);

@@ -49,9 +49,20 @@ pub struct AcquisitionEntry {
     pub sights: Option<String>,
     /// A hash of all that its product depends on, as `scene` of its `report.json` has it; null if there is no product.
     pub product: Option<String>,
+    /// How many warnings there are: those of its product, or if there is none, of what it sees.
+    #[serde(default, skip_serializing_if = "is_none_of_them")]
+    pub warnings: u64,
+    /// The first of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_warning: Option<String>,
     /// Why it failed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub errors: Vec<String>,
+}
+
+/// What is left out of the file.
+fn is_none_of_them(count: &u64) -> bool {
+    *count == 0
 }
 
 /// Whether an acquisition is there.
@@ -110,6 +121,11 @@ impl Manifest {
     /// How many acquisitions could not be made.
     pub fn failed(&self) -> usize {
         self.acquisitions.iter().filter(|entry| entry.state == EntryState::Failed).count()
+    }
+
+    /// Acquisitions with warnings.
+    pub fn warned(&self) -> impl Iterator<Item = &AcquisitionEntry> {
+        self.acquisitions.iter().filter(|entry| entry.warnings > 0)
     }
 }
 

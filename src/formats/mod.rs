@@ -19,6 +19,7 @@ pub mod drawing;
 mod file_name;
 pub mod folder;
 mod flat;
+pub mod flight_doubts;
 pub mod flight_file;
 pub mod flight_table;
 mod foreign;

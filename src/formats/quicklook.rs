@@ -98,11 +98,11 @@ pub fn write_colour(
 }
 
 /// Writes one band as grey, or three as red, green and blue, of any image: [row, column], each stretched separately and called
-/// by its label. What is not finite is black. `size` is rows and columns.
+/// by its label. What is not finite is black. `size` is rows and columns, each of which becomes `times` of the picture.
 ///
 /// # Errors
 /// As [`write_grey`]; [`Error::Invalid`] for another number of bands.
-pub fn write_bands(path: &Path, size: [usize; 2], bands: &[(String, Vec<f64>)]) -> Result<()> {
+pub fn write_bands(path: &Path, size: [usize; 2], times: usize, bands: &[(String, Vec<f64>)]) -> Result<()> {
     let colour = match bands.len() {
         1 => png::ColorType::Grayscale,
         3 => png::ColorType::Rgb,
@@ -117,7 +117,21 @@ pub fn write_bands(path: &Path, size: [usize; 2], bands: &[(String, Vec<f64>)]) 
         pixels.iter_mut().skip(i).step_by(bands.len()).zip(bytes).for_each(|(pixel, byte)| *pixel = byte);
         texts.push(text);
     }
-    write(path, [columns, rows], colour, &pixels, &texts.join("; "))
+    let pixels = if times > 1 { enlarged(&pixels, columns * bands.len(), bands.len(), times) } else { pixels };
+    write(path, [columns, rows].map(|side| side * times), colour, &pixels, &texts.join("; "))
+}
+
+/// Rows of so many bytes with pixels of so many, each pixel as a square of `times` by `times`.
+fn enlarged(pixels: &[u8], row: usize, pixel: usize, times: usize) -> Vec<u8> {
+    let wide = |row: &[u8]| -> Vec<u8> { row.chunks(pixel).flat_map(|of| of.repeat(times)).collect() };
+    pixels.chunks(row.max(1)).flat_map(|row| wide(row).repeat(times)).collect()
+}
+
+/// How many times as large an image is drawn whose longer side is this, pixels: a stamp of 16 pixels shows nothing.
+pub fn enlargement(side: usize) -> usize {
+    /// Up to this side it is enlarged, up to twice that.
+    const SMALL: usize = 256;
+    if (1..SMALL).contains(&side) { 2 * SMALL / side } else { 1 }
 }
 
 /// Width and height of a PNG, pixels, and whether it has colours.
@@ -247,6 +261,14 @@ mod tests {
 
     fn bands(centres: &[f64]) -> Vec<Band> {
         centres.iter().map(|um| Band::new(*um, None)).collect()
+    }
+
+    #[test]
+    fn small_images_are_enlarged_by_whole_factors() {
+        assert_eq!([0, 1, 16, 48, 255, 256, 4000].map(enlargement), [1, 512, 32, 10, 2, 1, 1]);
+        // Two pixels of three bytes, and two rows of one pixel.
+        assert_eq!(enlarged(&[1, 2, 3, 4, 5, 6], 6, 3, 2), [[1, 2, 3, 1, 2, 3, 4, 5, 6, 4, 5, 6]; 2].concat());
+        assert_eq!(enlarged(&[7, 8], 1, 1, 2), [7, 7, 7, 7, 8, 8, 8, 8]);
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! Runs a campaign: a folder of products, and the coverage of the surface.
 
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::time::Duration;
 
 use crate::error::{Error, Result};
 use crate::flight::Scale;
@@ -17,6 +19,8 @@ use crate::study::{self, Moving};
 
 /// What a stage of progress is called here.
 const STAGE: &str = "acquisitions";
+/// Between two looks whether another process has ended.
+const PATIENCE: Duration = Duration::from_millis(100);
 
 /// A shard: every `of`-th acquisition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,6 +72,8 @@ pub enum State {
     Kept,
     /// Failed.
     Failed,
+    /// Being made by another process. It is tried again after all others, and then reported once more.
+    Busy,
 }
 
 /// Status of an acquisition.
@@ -81,10 +87,12 @@ pub struct Status {
     pub state: State,
     /// Path of its product, or of its sightings.
     pub path: PathBuf,
+    /// Warnings of its product, or of its sightings.
+    pub warnings: Vec<String>,
     /// Why it failed.
     pub errors: Vec<String>,
-    /// Leftovers of killed runs.
-    pub settled: Vec<String>,
+    /// Leftovers of killed runs, and the process it waits for.
+    pub told: Vec<String>,
 }
 
 /// Result of a campaign.
@@ -120,35 +128,28 @@ pub fn campaign(
     let is_mine = |i: usize| order.shard.is_none_or(|shard| shard.has(i));
     let mine: Vec<&Acquisition> = (0..all.len()).filter(|i| is_mine(*i)).map(|i| &all[i]).collect();
     let total = mine.len() as u64;
-    let leap = campaign.leap();
     let mut counts = [0; 3];
+    let mut done = 0;
+    let mut left: VecDeque<(&Acquisition, bool)> = mine.into_iter().map(|acquisition| (acquisition, false)).collect();
     tell(watch, STAGE, 0, total)?;
-    for (done, acquisition) in (0..total).zip(mine) {
+    while let Some((acquisition, is_again)) = left.pop_front() {
         // The stages of each acquisition would only flicker.
         let quiet = |_: Progress| watch(Progress { stage: STAGE, done, total });
-        let name = &acquisition.name;
-        let settled = folder.settle(name)?;
-        let (state, errors) = match one(campaign, &folder, acquisition, order, run, &quiet) {
-            Ok(state) => {
-                folder.clear_failure(name)?;
-                (state, vec![])
+        // What another process was making is there when that has ended; if it was killed, it is made here.
+        let told = if is_again { await_others(&folder, &acquisition.name, &quiet)? } else { vec![] };
+        let mut status = attempt(campaign, &folder, acquisition, order, run, &quiet)?;
+        status.told.splice(..0, told);
+        if status.state == State::Busy {
+            left.push_back((acquisition, true));
+            if is_again {
+                continue;
             }
-            Err(Error::Interrupted) => return Err(Error::Interrupted),
-            Err(error) => {
-                let errors = sentences(&error);
-                let failure = Failure { entry: campaign.entry_id(acquisition), errors: errors.clone() };
-                // An acquisition being made by another process has not failed.
-                if !CampaignFolder::is_busy(&error) {
-                    folder.put_failure(name, &failure)?;
-                }
-                (State::Failed, errors)
-            }
-        };
-        counts[state as usize] += 1;
-        let path = if order.coverage_only { folder.sights(name) } else { folder.product(name) };
-        let epoch_utc = acquisition.epoch.to_text(Scale::Utc, 3, &leap);
-        report(Status { name: name.clone(), epoch_utc, state, path, errors, settled })?;
-        tell(watch, STAGE, done + 1, total)?;
+        } else {
+            counts[status.state as usize] += 1;
+            done += 1;
+        }
+        report(status)?;
+        tell(watch, STAGE, done, total)?;
     }
     let manifest = match entries(campaign, &folder, &all, order)? {
         Some(entries) => Some(finish(campaign, &folder, entries, watch)?),
@@ -158,13 +159,66 @@ pub fn campaign(
     Ok(Finished { counts, manifest, path: folder.manifest(), others })
 }
 
+/// Waits until nobody is making something of an acquisition; says what killed ones had left of it.
+fn await_others(folder: &CampaignFolder, name: &str, watch: Watch<'_>) -> Result<Vec<String>> {
+    let mut told = folder.settle(name)?;
+    while folder.is_being_made(name) {
+        std::thread::sleep(PATIENCE);
+        tell(watch, STAGE, 0, 0)?;
+        told.extend(folder.settle(name)?);
+    }
+    Ok(told)
+}
+
+/// Makes an acquisition, if it is not there, and notes if it cannot be made.
+fn attempt(
+    campaign: &mut Campaign,
+    folder: &CampaignFolder,
+    acquisition: &Acquisition,
+    order: &Order<'_>,
+    run: &dyn Fn() -> Run,
+    watch: Watch<'_>,
+) -> Result<Status> {
+    let name = &acquisition.name;
+    let mut status = Status {
+        name: name.clone(),
+        epoch_utc: acquisition.epoch.to_text(Scale::Utc, 3, &campaign.leap()),
+        state: State::Failed,
+        path: if order.coverage_only { folder.sights(name) } else { folder.product(name) },
+        warnings: vec![],
+        errors: vec![],
+        told: folder.settle(name)?,
+    };
+    match one(campaign, folder, acquisition, order, run, watch) {
+        Ok((state, warnings)) => {
+            folder.clear_failure(name)?;
+            (status.state, status.warnings) = (state, warnings);
+        }
+        Err(Error::Interrupted) => return Err(Error::Interrupted),
+        Err(error) if CampaignFolder::is_busy(&error) => {
+            status.state = State::Busy;
+            status.told.extend(sentences(&error));
+        }
+        Err(error) => {
+            status.errors = sentences(&error);
+            let failure = Failure { entry: campaign.entry_id(acquisition), errors: status.errors.clone() };
+            match folder.put_failure(name, &failure) {
+                // Another process finds the same.
+                Err(error) if CampaignFolder::is_busy(&error) => {}
+                noted => noted?,
+            }
+        }
+    }
+    Ok(status)
+}
+
 /// All that is wrong, a sentence each.
 fn sentences(error: &Error) -> Vec<String> {
     let problems: Vec<String> = error.problems().iter().map(ToString::to_string).collect();
     if problems.is_empty() { vec![error.to_string()] } else { problems }
 }
 
-/// Makes the missing parts of an acquisition.
+/// Makes the missing parts of an acquisition; returns its warnings too.
 fn one(
     campaign: &mut Campaign,
     folder: &CampaignFolder,
@@ -172,25 +226,32 @@ fn one(
     order: &Order<'_>,
     run: &dyn Fn() -> Run,
     watch: Watch<'_>,
-) -> Result<State> {
+) -> Result<(State, Vec<String>)> {
     let name = &acquisition.name;
     let look = campaign.look(acquisition)?;
-    let needs_sights = !folder.has_sights(name, &look.sights_id);
-    let needs_product = !order.coverage_only && !folder.has_product(name, &look.product_id, &campaign.options);
-    if !needs_sights && !needs_product {
-        return Ok(State::Kept);
+    let (sights_id, product_id) = (look.sights_id.clone(), look.product_id.clone());
+    let needs_sights = !folder.has_sights(name, &sights_id);
+    let made = || folder.product_report(name, &product_id, &campaign.options);
+    let report = if order.coverage_only { None } else { made() };
+    let needs_product = !order.coverage_only && report.is_none();
+    let state = if needs_sights || needs_product { State::Done } else { State::Kept };
+    let mut warnings = report.map(|report| report.warnings);
+    if state == State::Done {
+        let subject = campaign.subject(acquisition, look)?;
+        if let (Some((motion, timing)), true) = (&subject.motion, needs_sights) {
+            let moving = Moving { scene: &subject.scene, motion, timing: *timing, optics: None };
+            folder.put_sights(name, &sights_id, || study::sights(moving, watch))?;
+        }
+        if needs_product {
+            let product = folder.stage(name, campaign.options.clone())?;
+            warnings = Some(super::simulate(subject, &campaign.request, product, run, watch)?.report.warnings);
+        }
     }
-    let sights_id = look.sights_id.clone();
-    let subject = campaign.subject(acquisition, look)?;
-    if let (Some((motion, timing)), true) = (&subject.motion, needs_sights) {
-        let moving = Moving { scene: &subject.scene, motion, timing: *timing, optics: None };
-        folder.put_sights(name, &study::sights(moving, watch)?, &sights_id)?;
-    }
-    if needs_product {
-        let product = folder.stage(name, campaign.options.clone())?;
-        super::simulate(subject, &campaign.request, product, run, watch)?;
-    }
-    Ok(State::Done)
+    let warnings = match warnings {
+        Some(warnings) => warnings,
+        None => study::warnings_of_sights(&folder.read_sights(name, campaign.body().mesh.facets.len())?),
+    };
+    Ok((state, warnings))
 }
 
 /// Status of all acquisitions, of any shard; `None` while one is neither there nor failed.
@@ -204,11 +265,13 @@ fn entries(
     let mut entries = Vec::new();
     for acquisition in all {
         let name = &acquisition.name;
-        let (mut sights, mut product) = (None, None);
-        // An acquisition that cannot be opened has failed, which is recorded.
+        let (mut sights, mut product, mut warnings) = (None, None, vec![]);
+        // What cannot even be looked at has failed, and that is noted.
         if let Ok(look) = campaign.look(acquisition) {
             sights = Some(look.sights_id).filter(|id| folder.has_sights(name, id));
-            product = Some(look.product_id).filter(|id| folder.has_product(name, id, &campaign.options));
+            let report = folder.product_report(name, &look.product_id, &campaign.options);
+            product = report.is_some().then_some(look.product_id);
+            warnings = report.map_or(vec![], |report| report.warnings);
         }
         let is_done = sights.is_some() && (order.coverage_only || product.is_some());
         let failure = folder.failure(name, &campaign.entry_id(acquisition)).filter(|_| !is_done);
@@ -222,6 +285,8 @@ fn entries(
             state: if is_done { EntryState::Done } else { EntryState::Failed },
             sights,
             product,
+            warnings: warnings.len() as u64,
+            first_warning: warnings.into_iter().next(),
             errors: failure.map_or(vec![], |failure| failure.errors),
         });
     }
@@ -232,7 +297,7 @@ fn entries(
 fn finish(
     campaign: &Campaign,
     folder: &CampaignFolder,
-    acquisitions: Vec<AcquisitionEntry>,
+    mut acquisitions: Vec<AcquisitionEntry>,
     watch: Watch<'_>,
 ) -> Result<Manifest> {
     const STAGE: &str = "coverage";
@@ -240,10 +305,16 @@ fn finish(
     let facets = body.mesh.facets.len();
     let mut coverage = Coverage::new(facets, campaign.rule.clone());
     let total = acquisitions.len() as u64;
-    for (done, entry) in (0..total).zip(&acquisitions) {
+    for (done, entry) in (0..total).zip(&mut acquisitions) {
         tell(watch, STAGE, done, total)?;
         if entry.sights.is_some() {
-            coverage.add(&folder.read_sights(&entry.name, facets)?);
+            let sights = folder.read_sights(&entry.name, facets)?;
+            coverage.add(&sights);
+            if entry.product.is_none() {
+                let warnings = study::warnings_of_sights(&sights);
+                entry.warnings = warnings.len() as u64;
+                entry.first_warning = warnings.into_iter().next();
+            }
         }
     }
     let area_m2: Vec<f64> = (0..facets).map(|facet| body.mesh.facet(facet).area_m2()).collect();

@@ -8,11 +8,13 @@ use glam::DVec3;
 use crate::error::{Error, Location, Result};
 use crate::flight::{Almanac, Epoch, LeapSeconds, Orientation, Span, Trajectory, altitude_m, radii_m};
 use crate::formats::ephemeris;
-use crate::formats::track_picture::{self, Broken, Track, TrackSheet, unwrapped};
+use crate::formats::track_picture::{self, Broken, Quantity, Track, TrackSheet};
 use crate::geometry::angle_rad;
 
 /// Number of epochs per plotted span.
 const MOMENTS: u32 = 600;
+/// Shown in an empty panel.
+const NO_TIME: &str = "known at fewer than two times";
 /// Smallest rotation that gives a rate, rad.
 const STILL_RAD: f64 = 1e-12;
 
@@ -50,7 +52,10 @@ pub fn flight_sheet(path: &Path) -> Result<TrackSheet> {
         TrackSheet {
             title: format!("{name}: where +z points"),
             map_labels: ["right ascension, deg".into(), "declination, deg".into()],
-            quantities: vec!["turned, deg".into(), "rate, deg/s".into()],
+            quantities: vec![
+                Quantity { label: "turned, deg".into(), unknown: NO_TIME },
+                Quantity { label: "rate, deg/s".into(), unknown: NO_TIME },
+            ],
             begins,
             tracks: orientations.iter().map(|of| of_orientation(of, start)).collect::<Result<_>>()?,
         }
@@ -61,7 +66,10 @@ pub fn flight_sheet(path: &Path) -> Result<TrackSheet> {
         TrackSheet {
             title: format!("{name}: about {}", trajectories[0].centre),
             map_labels: [across, upwards].map(|label| format!("{label}, deg")),
-            quantities: vec!["height, km".into(), "phase angle, deg".into()],
+            quantities: vec![
+                Quantity { label: "height, km".into(), unknown: NO_TIME },
+                Quantity { label: "phase angle, deg".into(), unknown: "where the Sun is from here is not known" },
+            ],
             begins,
             tracks: trajectories.iter().map(|of| of_trajectory(of, &almanac, start)).collect::<Result<_>>()?,
         }
@@ -105,7 +113,7 @@ fn of_trajectory(of: &Trajectory, almanac: &Almanac, start: Epoch) -> Result<Tra
                 phase.push([hours, angle_rad(sun.position_m, state.position_m).to_degrees()]);
             }
         }
-        map.extend(unwrapped(places.into_iter()));
+        map.push(places);
         heights.push(height);
         phases.push(phase);
     }
@@ -133,7 +141,7 @@ fn of_orientation(of: &Orientation, start: Epoch) -> Result<Track> {
             }
             before = Some((s, turn));
         }
-        map.extend(unwrapped(places.into_iter()));
+        map.push(places);
         angles.push(angle);
         rates.push(rate);
     }

@@ -14,7 +14,7 @@ use crate::progress::{Watch, tell};
 pub struct Picture {
     /// The PNG to write.
     pub target: PathBuf,
-    /// The band that it shows, from 0, or those of red, green and blue; without any, those that suit the image.
+    /// The band that it shows, from 0, or those of red, green and blue; without any, those that suit the image. Small images are enlarged by whole factors.
     pub bands: Vec<usize>,
     /// Whether it may replace another.
     pub replace: bool,
@@ -70,7 +70,8 @@ pub fn survey(path: &Path, picture: Option<&Picture>, watch: Watch<'_>) -> Resul
         let staged = Staged::file(&picture.target, picture.replace)?;
         staged.spares(raster.files().iter().map(PathBuf::as_path))?;
         let size = [raster.rows, raster.columns];
-        quicklook::write_bands(staged.path(), size, &pictured).map_err(|e| staged.named(e))?;
+        let times = quicklook::enlargement(raster.rows.max(raster.columns));
+        quicklook::write_bands(staged.path(), size, times, &pictured).map_err(|e| staged.named(e))?;
         staged.commit()?;
     }
     Ok(Survey { raster, bands })

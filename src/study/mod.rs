@@ -53,7 +53,7 @@ pub use orientation::Orientation;
 pub use ortho::{MapWish, ortho, reference_band};
 pub use plan::{Choice, Plan, Request, TOLERANCE, decide, left_out_of_table, looks_s, plan, unheeded};
 pub use reading::{BandSignal, GOOD, Reader, Reading};
-pub use sights::sights;
+pub use sights::{sights, warnings_of_sights};
 pub use simulate::{observe, observe_by_slabs, observe_through, simulate};
 pub use smear::{foreseen, poses, tell_exposure};
 pub use summary::Summary;

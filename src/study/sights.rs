@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::block::BLOCK;
 use super::moving::Moving;
+use super::warnings::{self, Sight as Shot};
 use crate::error::Result;
 use crate::geometry::polygon::{Point, Rect, area, area_and_moment, intersect, side, split};
 use crate::geometry::{Facet, FrameCamera};
@@ -20,6 +21,14 @@ const STAGE: &str = "sights";
 const WHOLE: [Point; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
 /// Smallest fraction of a facet that is not rounding of polygon differences.
 const SLIVER: f64 = 1e-14;
+
+/// Warnings about an acquisition's sightings: those of its image, as far as they follow from facets.
+pub fn warnings_of_sights(sights: &Sights) -> Vec<String> {
+    let dark = "nothing that is seen is in sunlight".to_owned();
+    let is_dark = !sights.facet.is_empty() && sights.sunlit.iter().all(|share| *share == 0.0);
+    let sight = Shot { sees_mesh: !sights.facet.is_empty(), back_share: 0.0, about: "" };
+    warnings::of_sight(&sight, is_dark.then_some(dark))
+}
 
 /// What an acquisition sees: for a push-broom or whisk-broom what its parts see together, for others what the camera sees at the reference exposure. The Sun is
 /// where it is at the reference exposure, and is a point; bodies of the sky hide it.

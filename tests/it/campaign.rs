@@ -1,6 +1,7 @@
 //! Campaigns: many acquisitions of one scene, whoever makes them, however often they are stopped, and whatever is done to their folder.
 
 use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
@@ -273,6 +274,66 @@ fn parts_of_a_campaign_make_the_whole() {
     ] {
         let (code, _, err) = run(&["campaign", &file, "-o", &folder, &format!("--shard={part}")]);
         assert!(code == 2 && err.contains(why), "{part}: {err}");
+    }
+}
+
+/// Whole processes in one folder leave to each other what each is making, and end when all of it is there; one whose maker was killed is made.
+#[test]
+fn processes_in_one_folder_wait_for_each_other() {
+    let scratch = scratch();
+    assert_eq!(made(&scratch, "whole", &[]).0, 0);
+    let start = |folder: &str| {
+        let mut command = mmxrt();
+        command.args(["campaign", &scratch.argument("campaign.toml"), "-o", &scratch.argument(folder)]);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    for child in [start("both"), start("both")] {
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    same_trees(&scratch, "whole", "both");
+    // Another process holds one product, and the sights of another, and goes away without having made them.
+    let hold = |part: &str| {
+        let hidden = scratch.join(&format!("held/{part}"));
+        std::fs::create_dir_all(&hidden).unwrap();
+        let lock = std::fs::File::create(hidden.join("lock")).unwrap();
+        lock.lock().unwrap();
+        lock
+    };
+    let locks = [hold(&format!("products/.{}.partial", NAMES[0])), hold(&format!("sights/.{}.npz.partial", NAMES[2]))];
+    let mut child = start("held");
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let mut next = || -> serde_json::Value { serde_json::from_str(&lines.next().unwrap().unwrap()).unwrap() };
+    let first: Vec<_> = (0..4).map(|_| next()).map(|line| (line["name"].clone(), line["state"].clone())).collect();
+    let expected = [(NAMES[0], "busy"), (NAMES[1], "done"), (NAMES[2], "busy"), (NAMES[3], "done")];
+    assert_eq!(first, expected.map(|(name, state)| (name.into(), state.into())));
+    drop(locks);
+    let last: Vec<_> = (0..2).map(|_| next()).map(|line| (line["name"].clone(), line["state"].clone())).collect();
+    assert_eq!(last, [(NAMES[0].into(), "done".into()), (NAMES[2].into(), "done".into())]);
+    let output = child.wait_with_output().unwrap();
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && err.contains("4 done, 0 kept, 0 failed"), "{err}");
+    same_trees(&scratch, "whole", "held");
+}
+
+/// A look past the body is told of by its line and by the manifest, whether its product was made or not, now or before.
+#[test]
+fn warnings_of_acquisitions_are_told() {
+    let scratch = scratch();
+    let past = "\n[[acquisitions]]\nname = \"past\"\noffset_s = 0\npointing = { bias_mrad = [1000.0, 0.0, 0.0] }\n";
+    scratch.write("campaign.toml", format!("{CAMPAIGN}{past}"));
+    let file = scratch.argument("campaign.toml");
+    for (folder, more) in
+        [("out", "--verbose"), ("out", "--verbose"), ("seen", "--coverage-only"), ("seen", "--coverage-only")]
+    {
+        let (code, out, err) = run(&["campaign", &file, "-o", &scratch.argument(folder), more]);
+        let line: serde_json::Value = serde_json::from_str(out.lines().last().unwrap()).unwrap();
+        let entry = &manifest(&scratch, folder)["acquisitions"][4];
+        for of in [&line, entry] {
+            assert!(of["warnings"].as_u64().is_some_and(|count| count > 0), "{of}");
+            assert!(of["first_warning"].as_str().unwrap().starts_with("nothing is in view"), "{of}");
+        }
+        assert!(code == 0 && err.contains("of 5 have warnings"), "{err}");
     }
 }
 

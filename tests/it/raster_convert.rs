@@ -220,8 +220,22 @@ fn an_image_is_inspected_and_pictured() {
     // (100 + 101 + 110 + 111 + 112) / 5.
     assert_eq!((&second["min"], &second["max"], &second["mean"]), (&100.0.into(), &112.0.into(), &106.8.into()));
     // The second of two bands, grey: no data is black as 100 is, 112 is white.
+    // It is enlarged by the largest whole number that leaves 3 pixels within 512.
     let grey = read(&folder, "out.png").remove(0);
-    assert_eq!((grey[0], grey[2], grey[5]), (0.0, 0.0, 1.0));
+    let of = |sample: usize, line: usize| [0, 169].map(|k| grey[(170 * line + k) * 510 + 170 * sample + k]);
+    assert_eq!(grey.len(), 510 * 340);
+    assert_eq!([of(0, 0), of(2, 0), of(2, 1)], [[0.0; 2], [0.0; 2], [1.0; 2]]);
+    // Planes with names of their own are no colours: the first is drawn.
+    let planes = "ENVI\nsamples = 2\nlines = 1\nbands = 3\ndata type = 1\ninterleave = bsq\nbyte order = 0\nband names = {SNR_MEAN, SNR_LOWEST, BANDS}\n";
+    folder.write("planes.hdr", planes);
+    let image = folder.write("planes.img", [1, 9, 8, 2, 5, 5]).display().to_string();
+    let drawn = folder.argument("planes.png");
+    assert_eq!(run(&["inspect", &image, "--picture", &drawn]).0, 0);
+    let bands = read(&folder, "planes.png");
+    assert_eq!((bands.len(), bands[0][0], bands[0][511]), (1, 0.0, 1.0));
+    folder.write("planes.hdr", planes.replace("SNR_MEAN, SNR_LOWEST, BANDS", "Band 1, Band 2, Band 3"));
+    assert_eq!(run(&["inspect", &image, "--picture", &drawn, "--force"]).0, 0);
+    assert_eq!(read(&folder, "planes.png").len(), 3);
     let (code, _, err) = run(&["inspect", &input, "--picture", &picture]);
     assert!(code == 1 && err.contains("exists"), "{err}");
     let colours = ["--band", "1", "--band", "2", "--band", "1", "--force"];

@@ -365,7 +365,8 @@ impl Raster {
         }
     }
 
-    /// The bands of a picture: three for colours where all wavelengths are known or there are three, else the middle one.
+    /// The bands of a picture: three for colours where all wavelengths are known or there are three that are named alike, else the middle one; of bands without
+    /// wavelengths, which may be of different quantities, the first.
     pub fn colour_bands(&self) -> Vec<usize> {
         let bands: Option<Vec<Band>> = self.bands.iter().map(|b| Some(Band::new(b.centre_um?, None))).collect();
         let colours: Option<Vec<usize>> = (0..3)
@@ -377,9 +378,17 @@ impl Raster {
         match (bands, colours) {
             (Some(bands), _) if bands.len() >= 3 => quicklook::colour_bands(&bands).to_vec(),
             (None, Some(colours)) => colours,
-            (None, _) if self.bands.len() == 3 => vec![0, 1, 2],
+            (None, _) if self.bands.len() == 3 && self.are_alike() => vec![0, 1, 2],
+            (None, _) => vec![0],
             _ => vec![self.bands.len() / 2],
         }
+    }
+
+    /// Whether its bands have no names, or numbers for names.
+    fn are_alike(&self) -> bool {
+        let names: Vec<&str> = self.bands.iter().map(|band| band.name.as_str()).collect();
+        names.iter().all(|name| name.is_empty())
+            || names::order(&names).is_some_and(|(order, _)| order == names::Order::Number)
     }
 
     /// The files that it comes from.

@@ -49,7 +49,8 @@ impl TomlReader<'_> {
             let read = ephemeris::furnish_all(&paths, &mut almanac);
             let read = self.taken("flight.files", read);
             all_read = read.is_some();
-            let Furnished { paths, report } = read.unwrap_or_default();
+            let Furnished { paths, report, doubts } = read.unwrap_or_default();
+            self.notes.extend(doubts.iter().map(|doubt| format!("flight.files: {doubt}")));
             for path in paths {
                 let input = self.taken("flight.files", InputFile::hashed(&path));
                 self.inputs.extend(input.filter(|input| !self.inputs.contains(input)));
