@@ -221,13 +221,7 @@ impl Counting {
         if radiance > self.brightest() {
             return 0.0;
         }
-        signal::snr(
-            radiance * self.electrons_per_radiance,
-            self.others_e,
-            self.read_e,
-            self.gain_e_dn,
-            self.prnu,
-        )
+        signal::snr(radiance * self.electrons_per_radiance, self.others_e, self.read_e, self.gain_e_dn, self.prnu)
     }
 
     /// Saturation radiance, on average.

@@ -237,7 +237,7 @@ fn what_is_wrong_is_said_where_it_is() {
 fn throughput_covers_the_bands_it_is_asked_for() {
     let scratch = scratch(&DETECTOR.replace("0.3", "\"throughput.csv\""));
     let simulated = |table: &str| {
-        scratch.write("throughput.csv", table.to_owned());
+        scratch.write("throughput.csv", table);
         let (code, _, err) =
             run(&["simulate", &scratch.argument("scene.toml"), "-o", &scratch.argument("out"), "--force"]);
         (code, err, scratch.join("out").exists().then(|| report(&scratch, "out")))
@@ -260,7 +260,7 @@ fn throughput_covers_the_bands_it_is_asked_for() {
         (ideal.argument("ideal/cube.img"), ideal.argument("instrument.toml"), ideal.argument("out"));
     let detector = DETECTOR.replace("[sensor.", "[").replace("0.3", "\"throughput.csv\"");
     ideal.write("instrument.toml", format!("mmxrt_instrument = 1\n{detector}"));
-    ideal.write("throughput.csv", "wavelength_um,throughput\n1.5,0.2\n4.0,0.2\n".to_owned());
+    ideal.write("throughput.csv", "wavelength_um,throughput\n1.5,0.2\n4.0,0.2\n");
     let (code, _, err) = run(&["instrument", &cube, "--instrument", &file, "-o", &out]);
     assert!(code != 0 && err.contains("throughput") && !ideal.join("out").exists(), "{err}");
 }
