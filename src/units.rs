@@ -10,6 +10,12 @@ pub const ELECTRONVOLT_J: f64 = 1.602_176_634e-19;
 pub const BOLTZMANN_J_K: f64 = 1.380_649e-23;
 /// Stefan-Boltzmann constant, W m-2 K-4: 2 pi^5 k^4 / (15 h^3 c^2).
 pub const STEFAN_BOLTZMANN_W_M2_K4: f64 = 5.670_374_419_184_429e-8;
+/// Metres of a kilometre.
+pub const KM_M: f64 = 1000.0;
+/// Seconds of a day.
+pub const DAY_S: f64 = 86_400.0;
+/// TT - TAI, s (by definition).
+pub const TT_TAI_S: f64 = 32.184;
 /// Astronomical unit, m (IAU 2012 Resolution B2, exact).
 pub const AU_M: f64 = 149_597_870_700.0;
 /// Nominal solar radius, m (IAU 2015 Resolution B3).
@@ -20,6 +26,9 @@ pub const TSI_1AU_W_M2: f64 = 1361.0;
 pub const PHOBOS_ORBIT_M: f64 = 9_376_000.0;
 /// Volumetric mean radius of Mars, m (IAU 2015, pck00011).
 pub const MARS_RADIUS_M: f64 = 3_389_500.0;
+
+/// The golden ratio less 1: its multiples, modulo 1, are evenly spread.
+pub const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// Micrometres from nanometres.
 pub fn um_from_nm(nm: f64) -> f64 {

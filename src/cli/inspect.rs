@@ -368,7 +368,7 @@ fn exposures(path: &Path) -> Result<Facts> {
     let mut facts = vec![
         ("kind", json!("exposures of a product")),
         ("exposures", json!(found.exposures)),
-        ("each_takes", json!(found.of)),
+        ("each_takes", json!(found.takes.name())),
         ("first", json!(first)),
         ("last", json!(last)),
         ("span_s", json!(rounded(found.span_s))),

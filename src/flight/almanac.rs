@@ -6,11 +6,11 @@ use glam::{DMat3, DQuat, DVec3};
 use super::names::{Names, frame_name};
 use super::orientation::{Orientation, Turn, Turning};
 use super::rotation_model::RotationModel;
-use super::trajectory::{KM_M, known};
+use super::trajectory::known;
 use super::{ECLIPTIC, Epoch, J2000, LeapSeconds, Pool, State, Trajectory, mars_system};
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::Direction;
-use crate::units::LIGHT_SPEED_M_S;
+use crate::units::{KM_M, LIGHT_SPEED_M_S};
 
 /// Obliquity of the ecliptic at J2000, arcsec: 84381.448 (Lieske 1976), as in SPICE's ECLIPJ2000.
 const OBLIQUITY_ARCSEC: f64 = 84_381.448;

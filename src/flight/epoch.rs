@@ -2,10 +2,8 @@
 
 use std::fmt;
 
-/// Seconds of a day.
-const DAY_S: f64 = 86_400.0;
-/// TT - TAI, s, by definition.
-const TT_TAI_S: f64 = 32.184;
+use crate::units::{DAY_S, TT_TAI_S};
+
 /// TAI - GPS time, s, by definition.
 const TAI_GPS_S: f64 = 19.0;
 /// Days from 1970-01-01 to 2000-01-01.

@@ -20,6 +20,17 @@ impl Value for DVec4 {
     const ZERO: Self = DVec4::ZERO;
 }
 
+/// Degree of polynomials where a file does not say it.
+pub const DEFAULT_DEGREE: usize = 7;
+/// Nodes of a Hermite polynomial of this degree, which has two numbers of each: two at least.
+pub fn hermite_nodes(degree: usize) -> usize {
+    (degree.saturating_add(2) / 2).max(2)
+}
+/// The degree of a polynomial through so many nodes with so many numbers of each: 1 at least.
+pub(super) fn degree(nodes: usize, numbers: usize) -> usize {
+    nodes.saturating_mul(numbers).saturating_sub(1).max(1)
+}
+
 /// Most nodes of one polynomial: beyond, equal steps lose all digits (Runge).
 pub const MOST_NODES: usize = 28;
 

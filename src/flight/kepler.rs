@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{Epoch, State};
-use crate::units::AU_M;
+use crate::units::{AU_M, DAY_S};
 
 /// Elements of an orbit at J2000, and their changes per century.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,8 +54,7 @@ impl Elements {
         }
         let (sin, cos) = eccentric.sin_cos();
         let (a_m, flat) = (a * AU_M, (1.0 - e * e).sqrt());
-        let mean_motion_rad_s =
-            (self.mean_longitude_deg[1] - self.perihelion_deg[1]).to_radians() / (36_525.0 * 86_400.0);
+        let mean_motion_rad_s = (self.mean_longitude_deg[1] - self.perihelion_deg[1]).to_radians() / (36_525.0 * DAY_S);
         let rate = mean_motion_rad_s / (1.0 - e * cos);
         let plane = DMat3::from_rotation_z(node.to_radians())
             * DMat3::from_rotation_x(inclination.to_radians())

@@ -7,7 +7,7 @@ use super::kepler::Elements;
 use super::rotation_model::{Angle, RotationModel};
 use super::trajectory::{Path, Segment, Span, Trajectory};
 use super::{ECLIPTIC, Epoch};
-use crate::units::PHOBOS_ORBIT_M;
+use crate::units::{DAY_S, PHOBOS_ORBIT_M};
 
 /// Semi-major axis of Deimos' orbit, m.
 const DEIMOS_ORBIT_M: f64 = 23_458_000.0;
@@ -17,7 +17,7 @@ const DEIMOS_ORBIT_M: f64 = 23_458_000.0;
 /// direction of Mars.
 pub(super) fn roughly() -> Vec<Trajectory> {
     let trajectory = |target: &str, centre: &str, frame: &str, years: Option<[f64; 2]>, path: Path| {
-        let year = |year: f64| Epoch::J2000.after_s((year - 2000.0) * 365.25 * 86_400.0);
+        let year = |year: f64| Epoch::J2000.after_s((year - 2000.0) * 365.25 * DAY_S);
         let span = match years {
             Some([first, last]) => Span { start: year(first), end: year(last) },
             None => Span { start: Epoch::FIRST, end: Epoch::LAST },

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3, DVec4};
 
-use super::interpolation::{hermite, lagrange, window};
+use super::interpolation::{degree, hermite, lagrange, window};
 use super::rotation_model::RotationModel;
 use super::trajectory::joined;
 use super::{Chebyshev, Epoch, Span, Unread};
@@ -24,12 +24,11 @@ pub enum Between {
 impl Between {
     /// The polynomial degree, if there are enough attitudes; 1 for constant-rate rotation.
     pub fn degree(self) -> usize {
-        let numbers = match self {
-            Between::Steps | Between::SteadyTurn => 2,
-            Between::Lagrange(nodes) => nodes,
-            Between::Hermite(nodes) => nodes.saturating_mul(2),
-        };
-        numbers.saturating_sub(1).max(1)
+        match self {
+            Between::Steps | Between::SteadyTurn => 1,
+            Between::Lagrange(nodes) => degree(nodes, 1),
+            Between::Hermite(nodes) => degree(nodes, 2),
+        }
     }
 }
 

@@ -108,12 +108,6 @@ pub struct Circumstances {
 }
 
 impl Pointing {
-    /// The law without disturbances.
-    #[must_use]
-    pub fn undisturbed(&self) -> Self {
-        Pointing { bias_rad: DVec3::ZERO, jitter: None, ..self.clone() }
-    }
-
     /// The rotation from sensor axes to body axes; `body_from` gives that of a frame.
     ///
     /// # Errors
@@ -213,7 +207,6 @@ mod tests {
         law.bias_rad = DVec3::new(0.0, 1e-3, 0.0);
         let boresight = still.transpose() * rotation(&law, &on_x(99.0)).z_axis;
         assert!((boresight - DVec3::new(1e-3_f64.sin(), 0.0, 1e-3_f64.cos())).length() < 1e-15);
-        assert_eq!(rotation(&law.undisturbed(), &on_x(99.0)), still);
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use crate::units::KM_M;
+
 /// Semi-axes towards longitude 0, longitude 90 deg and the north pole, km: NAIF's kernel pck00011, from Archinal et al.
 /// (2018).
 const RADII_KM: [(&str, [f64; 3]); 3] =
@@ -10,7 +12,7 @@ const RADII_KM: [(&str, [f64; 3]); 3] =
 /// Semi-axes of a body's ellipsoid, along its fixed axes, m; `None` if unknown here.
 pub fn radii_m(body: &str) -> Option<DVec3> {
     let (_, km) = RADII_KM.iter().find(|(name, _)| *name == body)?;
-    Some(DVec3::from_array(*km) * 1000.0)
+    Some(DVec3::from_array(*km) * KM_M)
 }
 
 /// Height of a point above an ellipsoid, along the line to its centre, m; not finite at the centre.

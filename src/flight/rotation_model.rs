@@ -3,6 +3,7 @@
 use glam::DMat3;
 
 use super::Epoch;
+use crate::geometry::polynomial;
 
 /// Pole right ascension and declination, and prime meridian: each a polynomial plus sines or cosines of periodic
 /// angles.
@@ -25,10 +26,6 @@ pub struct Angle {
     pub polynomial: Vec<f64>,
     /// Amplitudes of periodic terms, deg, for the first of the phases on.
     pub periodic: Vec<f64>,
-}
-
-fn polynomial(coefficients: &[f64], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
 /// Rotations about z, x and z again: R3(third) R1(second) R3(first), which carry components along fixed axes into components along

@@ -4,12 +4,10 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::interpolation::{hermite, lagrange, window};
+use super::interpolation::{degree, hermite, lagrange, window};
 use super::{Chebyshev, Elements, Epoch, Orbit, Unread};
 use crate::error::Result;
-
-/// Metres of a kilometre: files count in km.
-pub(super) const KM_M: f64 = 1000.0;
+use crate::units::KM_M;
 
 /// Position and velocity of one object relative to another, in the axes of some frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,11 +64,10 @@ impl Interpolation {
 
     /// The polynomial degree, if there are enough nodes.
     pub fn degree(self) -> usize {
-        let numbers = match self {
-            Interpolation::Lagrange(nodes) => nodes,
-            Interpolation::Hermite(nodes) => nodes.saturating_mul(2),
-        };
-        numbers.saturating_sub(1).max(1)
+        match self {
+            Interpolation::Lagrange(nodes) => degree(nodes, 1),
+            Interpolation::Hermite(nodes) => degree(nodes, 2),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
+use crate::geometry::planetocentric_deg;
 use crate::product::Coverage;
 use crate::scene::Body;
 
@@ -19,9 +20,7 @@ pub(super) fn write(out: &mut impl Write, coverage: &Coverage, body: &Body) -> i
     let mut row = String::new();
     for facet in 0..body.mesh.facets.len() {
         let plane = body.mesh.facet(facet);
-        let p = plane.centroid_m() + body.origin_m;
-        let latitude_deg = p.z.atan2(p.x.hypot(p.y)).to_degrees();
-        let longitude_deg = p.y.atan2(p.x).to_degrees().rem_euclid(360.0);
+        let [latitude_deg, longitude_deg] = planetocentric_deg(plane.centroid_m() + body.origin_m);
         row.clear();
         let sights = coverage.sights[facet];
         // Writing to a text does not fail.

@@ -16,6 +16,7 @@ use super::located::Document;
 use super::spelling;
 use super::table::{Places, place};
 use crate::error::{Location, Problem, Result};
+use crate::flight::interpolation::{DEFAULT_DEGREE, MOST_NODES, hermite_nodes};
 use crate::flight::{
     self, Attitudes, Between, Epoch, Interpolation, LeapSeconds, Nodes, Orientation, Scale, Segment, Span, Trajectory,
     Turn, Turning, body_name, frame_name,
@@ -24,8 +25,6 @@ use crate::report::{Fate, Report};
 
 /// Largest file, bytes.
 const LIMIT: u64 = 256 << 20;
-/// Default degree of polynomials.
-const DEGREE: usize = 7;
 /// Parts of an object's state: position, velocity and quaternion, by their ranges in [`ENDINGS`].
 const PARTS: [(&str, std::ops::Range<usize>); 3] = [("position", 0..3), ("velocity", 3..6), ("quaternion", 6..10)];
 /// Endings of column names, with units, and the powers of ten that convert to m and m/s.
@@ -429,18 +428,18 @@ fn file(heading: &Heading<'_>, epochs: &[Epoch], things: &[Thing<'_>], scale: Sc
         said(&format!("frame: {frame}"));
     }
     if heading.degree.is_none() {
-        said(&format!("degree: {DEGREE}"));
+        said(&format!("degree: {DEFAULT_DEGREE}"));
     }
-    let degree = heading.degree.unwrap_or(DEGREE);
+    let degree = heading.degree.unwrap_or(DEFAULT_DEGREE);
     let span = Span { start: epochs[0], end: epochs[epochs.len() - 1] };
     let tdb_s: Vec<f64> = epochs.iter().map(|epoch| epoch.tdb_s()).collect();
     let source = input.path.display().to_string();
     let object = |name: &str| Object { name: name.to_owned(), id: name.to_owned() };
     let trajectory = |thing: &Thing<'_>| {
         let vector = |from: usize| thing.values.iter().map(|row| DVec3::from_slice(&row[from..from + 3])).collect();
-        let most = flight::interpolation::MOST_NODES;
+        let most = MOST_NODES;
         let interpolation = match thing.given[3] {
-            true => Interpolation::Hermite((degree.saturating_add(2) / 2).clamp(2, most)),
+            true => Interpolation::Hermite(hermite_nodes(degree).min(most)),
             false => Interpolation::Lagrange(degree.saturating_add(1).min(most)),
         };
         let velocity_m_s = if thing.given[3] { vector(3) } else { vec![] };

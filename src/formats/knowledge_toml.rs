@@ -19,8 +19,6 @@ use crate::study::knowledge::{Deviation, Knowledge, PositionAxes, Scatter, facto
 
 /// Default number of draws.
 const DRAWS: u32 = 0;
-/// Largest number of draws.
-const MOST_DRAWS: u32 = 1_000_000;
 /// An angle in these units, rad.
 const RAD: [f64; 3] = [1.0, 1e-3, std::f64::consts::PI / 648_000.0];
 
@@ -235,7 +233,7 @@ pub fn read(path: &Path, origin_m: DVec3) -> Result<KnowledgeFile> {
         let help = "give one, e.g. `[attitude]` with `sd_mrad = [0.1, 0.1, 0.5]`, or `[clock]` with `bias_s = 0.02`";
         return Err(Error::Invalid(vec![problem.with_help(help)]));
     }
-    let draws = drawn.draws.unwrap_or(DRAWS).min(MOST_DRAWS);
+    let draws = drawn.draws.unwrap_or(DRAWS);
     Ok(KnowledgeFile { knowledge, draws, seed: drawn.seed.unwrap_or(1), inputs, document })
 }
 

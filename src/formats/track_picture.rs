@@ -189,7 +189,7 @@ fn window(points: &[[f64; 2]]) -> [(f64, f64); 2] {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(south, north), point| (south.min(point[1]), north.max(point[1])));
     let width = (AROUND * wide.max(2.0 * (north - south))).max(NARROWEST);
     // Maps are twice as wide as high. What is not a number is none of these.
-    if !(width < WIDEST) {
+    if width.is_nan() || width >= WIDEST {
         return all;
     }
     let west = east_of_it + 0.5 * (wide - width);

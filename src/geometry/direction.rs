@@ -1,6 +1,6 @@
 //! A unit vector.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 /// A direction in space: a unit vector that cannot be zero or NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,9 +69,25 @@ pub fn angle_rad(a: DVec3, b: DVec3) -> f64 {
     if cos.abs() < 0.9 { cos.acos() } else { a.cross(b).length().atan2(dot) }
 }
 
+/// Angle of the turn from one rotation to another, rad, to the last digits also of a small one. q and -q are the same rotation.
+pub fn turn_rad(a: DQuat, b: DQuat) -> f64 {
+    let turn = a.inverse() * b;
+    2.0 * turn.xyz().length().atan2(turn.w.abs())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_turn_is_measured_the_short_way_and_when_it_is_small() {
+        let from = DQuat::from_rotation_x(0.3);
+        for angle in [0.0, 1e-9, 1.0, 3.0] {
+            let to = from * DQuat::from_rotation_y(angle);
+            assert!((turn_rad(from, to) - angle).abs() <= 1e-15 * (1.0 + angle), "{angle}");
+            assert!((turn_rad(from, -to) - angle).abs() <= 1e-15 * (1.0 + angle), "{angle}");
+        }
+    }
 
     #[test]
     fn refuses_what_has_no_direction() {

@@ -4,6 +4,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::{index_u32, whole};
+use crate::units::GOLDEN;
 
 /// Index of a material in [`Scene::materials`](crate::scene::Scene).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -125,7 +126,6 @@ impl Mesh {
     pub fn spread(&self, count: usize) -> impl Iterator<Item = usize> + Clone {
         let facets = self.facets.len();
         // Multiples of the golden ratio, modulo 1, are never far apart nor close together.
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let place = move |i: usize| whole((i as f64 * GOLDEN).fract() * facets as f64);
         (0..facets.min(count)).map(move |i| if facets <= count { i } else { place(i) })
     }

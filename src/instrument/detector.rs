@@ -27,15 +27,15 @@ pub struct Detector {
     /// Full well, electrons.
     pub full_well_e: f64,
     /// Gain, electrons per DN.
-    pub step_e: f64,
+    pub gain_e_dn: f64,
     /// Offset (bias level), DN.
     pub offset_dn: f64,
     /// Bit depth.
     pub bits: u32,
     /// Photo-response non-uniformity (PRNU), standard deviation, not removed by calibration.
-    pub sensitivity_sd: f64,
+    pub prnu: f64,
     /// Fraction of dead elements.
-    pub dead: f64,
+    pub dead_fraction: f64,
     /// Seed of the noise.
     pub seed: u64,
 }
@@ -61,9 +61,9 @@ pub struct Counting {
     /// Noise of reading, electrons.
     pub read_e: f64,
     /// Electrons per DN.
-    pub step_e: f64,
-    /// Standard deviation of the sensitivity of elements.
-    pub sensitivity_sd: f64,
+    pub gain_e_dn: f64,
+    /// PRNU, standard deviation.
+    pub prnu: f64,
     full_well_e: f64,
     offset_dn: f64,
     most_dn: f64,
@@ -105,8 +105,8 @@ impl Detector {
             ),
             others_e: (self.dark_e_s + self.background_e_s) * self.exposure_s,
             read_e: self.read_e,
-            step_e: self.step_e,
-            sensitivity_sd: self.sensitivity_sd,
+            gain_e_dn: self.gain_e_dn,
+            prnu: self.prnu,
             full_well_e: self.full_well_e,
             offset_dn: self.offset_dn,
             most_dn: self.most_dn(),
@@ -121,8 +121,8 @@ impl Detector {
     /// An element by its number.
     pub fn element(&self, number: u64) -> Element {
         let draws = |purpose| Draws::new(self.key(purpose, number));
-        let sensitivity = 1.0 + self.sensitivity_sd * draws(Purpose::Sensitivity).normal();
-        Element { sensitivity: sensitivity.max(0.0), is_dead: draws(Purpose::Death).unit() < self.dead }
+        let sensitivity = 1.0 + self.prnu * draws(Purpose::Sensitivity).normal();
+        Element { sensitivity: sensitivity.max(0.0), is_dead: draws(Purpose::Death).unit() < self.dead_fraction }
     }
 
     /// Random numbers for the noise of a value of a cube, by its place and by the exposure.
@@ -144,7 +144,7 @@ impl Detector {
             ("pixel_um", self.lens.pixel_um),
             ("exposure_s", self.exposure_s),
             ("full_well_e", self.full_well_e),
-            ("step_e", self.step_e),
+            ("gain_e_dn", self.gain_e_dn),
             ("width_um", self.width_um.unwrap_or(1.0)),
         ] {
             if !(value > 0.0 && value.is_finite()) {
@@ -156,14 +156,14 @@ impl Detector {
             ("background_e_s", self.background_e_s),
             ("read_e", self.read_e),
             ("offset_dn", self.offset_dn),
-            ("sensitivity_sd", self.sensitivity_sd),
+            ("prnu", self.prnu),
         ] {
             if !(value >= 0.0 && value.is_finite()) {
                 problem(key, format!("{value}: must be 0 or more"));
             }
         }
-        if !(0.0..=1.0).contains(&self.dead) {
-            problem("dead", format!("{}: must be 0 to 1", self.dead));
+        if !(0.0..=1.0).contains(&self.dead_fraction) {
+            problem("dead_fraction", format!("{}: must be 0 to 1", self.dead_fraction));
         }
         if !(1..=MOST_BITS).contains(&self.bits) {
             problem("bits", format!("{}: must be 1 to {MOST_BITS}", self.bits));
@@ -190,7 +190,7 @@ impl Counting {
         let expected_e = (radiance * self.electrons_per_radiance * element.sensitivity).max(0.0) + self.others_e;
         let counted_e = noise.count(expected_e);
         let held_e = counted_e.min(self.full_well_e) + self.read_e * noise.normal();
-        let dn = (held_e / self.step_e + self.offset_dn).round().clamp(0.0, self.most_dn);
+        let dn = (held_e / self.gain_e_dn + self.offset_dn).round().clamp(0.0, self.most_dn);
         let is_saturated = counted_e > self.full_well_e || dn == self.most_dn;
         Measured { dn, radiance: self.radiance(dn), is_saturated }
     }
@@ -198,22 +198,22 @@ impl Counting {
     /// Calibrated radiance of a DN, W m-2 sr-1 um-1, with dark and background removed. 0 where the band transmits
     /// nothing.
     pub fn radiance(&self, dn: f64) -> f64 {
-        self.radiance_of_electrons((dn - self.offset_dn) * self.step_e - self.others_e)
+        self.radiance_of_electrons((dn - self.offset_dn) * self.gain_e_dn - self.others_e)
     }
 
-    /// Radiance of so many electrons, W m-2 sr-1 um-1; 0 where the band lets nothing through.
+    /// Radiance of a number of electrons, W m-2 sr-1 um-1; 0 where the band lets nothing through.
     fn radiance_of_electrons(&self, electrons: f64) -> f64 {
         if self.electrons_per_radiance > 0.0 { electrons / self.electrons_per_radiance } else { 0.0 }
     }
 
-    /// Radiance of a step, W m-2 sr-1 um-1.
+    /// Radiance per DN, W m-2 sr-1 um-1.
     pub fn radiance_per_dn(&self) -> f64 {
-        self.radiance_of_electrons(self.step_e)
+        self.radiance_of_electrons(self.gain_e_dn)
     }
 
-    /// The number that no light gives, on average.
+    /// DN without light, on average.
     pub fn zero_dn(&self) -> f64 {
-        self.offset_dn + self.others_e / self.step_e
+        self.offset_dn + self.others_e / self.gain_e_dn
     }
 
     /// Signal-to-noise ratio of a radiance.
@@ -221,18 +221,12 @@ impl Counting {
         if radiance > self.brightest() {
             return 0.0;
         }
-        signal::snr(
-            radiance * self.electrons_per_radiance,
-            self.others_e,
-            self.read_e,
-            self.step_e,
-            self.sensitivity_sd,
-        )
+        signal::snr(radiance * self.electrons_per_radiance, self.others_e, self.read_e, self.gain_e_dn, self.prnu)
     }
 
     /// Saturation radiance, on average.
     pub fn brightest(&self) -> f64 {
-        let most_e = self.full_well_e.min((self.most_dn - self.offset_dn) * self.step_e);
+        let most_e = self.full_well_e.min((self.most_dn - self.offset_dn) * self.gain_e_dn);
         self.radiance_of_electrons((most_e - self.others_e).max(0.0))
     }
 }
@@ -251,11 +245,11 @@ mod tests {
             background_e_s: 0.0,
             read_e: 100.0,
             full_well_e: 2e6,
-            step_e: 40.0,
+            gain_e_dn: 40.0,
             offset_dn: 100.0,
             bits: 16,
-            sensitivity_sd: 0.0,
-            dead: 0.0,
+            prnu: 0.0,
+            dead_fraction: 0.0,
             seed: 1,
         }
     }
@@ -299,7 +293,7 @@ mod tests {
 
     #[test]
     fn elements_are_as_many_and_as_different_as_told() {
-        let detector = Detector { sensitivity_sd: 0.01, dead: 0.02, ..detector() };
+        let detector = Detector { prnu: 0.01, dead_fraction: 0.02, ..detector() };
         let elements: Vec<Element> = (0..50_000).map(|i| detector.element(i)).collect();
         let dead = elements.iter().filter(|e| e.is_dead).count() as f64;
         assert!((dead - 1000.0).abs() < 4.5 * (1000.0_f64 * 0.98).sqrt(), "{dead}");

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::detector::PixelSite;
 use super::pixel::Pixel;
+use crate::geometry::planetocentric_deg;
 use crate::geometry::polygon::Point;
 use crate::geometry::{FrameCamera, angle_rad, body_from_site};
 use crate::product::{Backplanes, Plane};
@@ -299,7 +300,7 @@ impl<'a> Planes<'a> {
     /// A point of the scene, m, by itself: no facet and no range.
     fn place(&self, point_m: DVec3, to_observer: DVec3) -> SurfacePoint {
         let body_m = point_m + self.scene.body.origin_m;
-        let (latitude_deg, longitude_deg) = planetocentric_deg(body_m);
+        let [latitude_deg, longitude_deg] = planetocentric_deg(body_m);
         SurfacePoint {
             latitude_deg,
             longitude_deg,
@@ -350,10 +351,4 @@ impl<'a> Planes<'a> {
         let planes = named.map(|((name, unit), values)| Plane { name, unit, values }).collect();
         Backplanes { samples, lines, planes }
     }
-}
-
-/// Planetocentric latitude and east longitude (0 to 360) of a body-fixed position, deg.
-fn planetocentric_deg(p: DVec3) -> (f64, f64) {
-    let latitude = p.z.atan2((p.x * p.x + p.y * p.y).sqrt()).to_degrees();
-    (latitude, p.y.atan2(p.x).to_degrees().rem_euclid(360.0))
 }

@@ -98,7 +98,7 @@ pub struct Status {
 /// Result of a campaign.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finished {
-    /// Numbers of acquisitions of this shard made, kept and failed.
+    /// Numbers of acquisitions of this shard: made, kept, failed.
     pub counts: [usize; 3],
     /// The manifest; `None` while acquisitions of other shards are missing.
     pub manifest: Option<Manifest>,

@@ -2,17 +2,43 @@
 
 use std::path::Path;
 
-use super::flight_facts::Steps;
+use super::flight_facts::{Steps, median};
 use crate::error::{Error, Location, Result};
 use crate::formats::exposures_csv::{self, Row};
 use crate::formats::raster::Raster;
 use crate::formats::registry;
+use crate::geometry::turn_rad;
+
+/// What an exposure takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Takes {
+    /// The whole image.
+    All,
+    /// A band.
+    Band,
+    /// A line.
+    Line,
+    /// A sample.
+    Sample,
+}
+
+impl Takes {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Takes::All => "all",
+            Takes::Band => "a band",
+            Takes::Line => "a line",
+            Takes::Sample => "a sample",
+        }
+    }
+}
 
 /// Facts of such a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExposureFacts {
-    /// What each exposure takes: `all`, `a band`, `a line`, `a sample`.
-    pub of: &'static str,
+    /// What each exposure takes.
+    pub takes: Takes,
     /// How many there are.
     pub exposures: usize,
     /// Middles of the first and of the last, TDB.
@@ -52,7 +78,7 @@ pub fn exposure_facts(path: &Path) -> Result<ExposureFacts> {
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
         return Err(Error::invalid(Location::file(path), "has no rows"));
     };
-    let of = what(&rows);
+    let takes = takes(&rows);
     let begins_sweep = |two: &[Row]| two[1].sample.is_some() && two[1].lines != two[0].lines;
     let (mut steps, mut between) = (Vec::new(), Vec::new());
     for (i, two) in rows.windows(2).enumerate() {
@@ -70,13 +96,13 @@ pub fn exposure_facts(path: &Path) -> Result<ExposureFacts> {
         .collect();
     gaps.sort_by_key(|(i, _)| *i);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let drift_px_s = match of {
-        "a band" => of_bands(&folder.join("displacement.img"), &rows)?,
-        "a line" => of_lines(&folder.join("backplanes.img"), &rows)?,
-        _ => None,
+    let drift_px_s = match takes {
+        Takes::Band => of_bands(&folder.join("displacement.img"), &rows)?,
+        Takes::Line => of_lines(&folder.join("backplanes.img"), &rows)?,
+        Takes::All | Takes::Sample => None,
     };
     Ok(ExposureFacts {
-        of,
+        takes,
         exposures: rows.len(),
         ends: [first.middle.clone(), last.middle.clone()],
         span_s: last.tdb_s - first.tdb_s,
@@ -88,16 +114,16 @@ pub fn exposure_facts(path: &Path) -> Result<ExposureFacts> {
     })
 }
 
-fn what(rows: &[Row]) -> &'static str {
+fn takes(rows: &[Row]) -> Takes {
     let differ = |by: fn(&Row) -> &std::ops::Range<usize>| rows.iter().any(|row| by(row) != by(&rows[0]));
     if rows[0].sample.is_some() {
-        "a sample"
+        Takes::Sample
     } else if differ(|row| &row.bands) {
-        "a band"
+        Takes::Band
     } else if differ(|row| &row.lines) {
-        "a line"
+        Takes::Line
     } else {
-        "all"
+        Takes::All
     }
 }
 
@@ -107,16 +133,11 @@ fn of_steps(steps: &[(usize, f64)]) -> Option<Steps> {
 
 fn moves(rows: &[Row]) -> Option<[f64; 2]> {
     let rates = |by: &dyn Fn(&Row, &Row) -> f64| {
-        let rates = rows.windows(2).map(|two| by(&two[0], &two[1]) / (two[1].tdb_s - two[0].tdb_s));
-        Some(Steps::of(rates.collect())?.median_s)
+        median(rows.windows(2).map(|two| by(&two[0], &two[1]) / (two[1].tdb_s - two[0].tdb_s)).collect())
     };
     Some([
         rates(&|a, b| (b.position_m - a.position_m).length())?,
-        // -q is the same rotation.
-        rates(&|a, b| {
-            let turn = b.body_from_sensor * a.body_from_sensor.inverse();
-            2.0 * turn.xyz().length().atan2(turn.w.abs())
-        })?,
+        rates(&|a, b| turn_rad(a.body_from_sensor, b.body_from_sensor))?,
     ])
 }
 

@@ -127,14 +127,17 @@ fn steps(tdb_s: &[f64]) -> Option<Steps> {
 
 impl Steps {
     /// Of some steps; `None` of none.
-    pub(super) fn of(mut steps: Vec<f64>) -> Option<Steps> {
-        steps.sort_by(f64::total_cmp);
-        Some(Steps {
-            min_s: *steps.first()?,
-            median_s: f64::midpoint(steps[(steps.len() - 1) / 2], steps[steps.len() / 2]),
-            max_s: *steps.last()?,
-        })
+    pub(super) fn of(steps: Vec<f64>) -> Option<Steps> {
+        let [min_s, max_s] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|of| steps.iter().copied().reduce(of));
+        Some(Steps { min_s: min_s?, max_s: max_s?, median_s: median(steps)? })
     }
+}
+
+/// The median; `None` of none.
+pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let [low, high] = [values.len().checked_sub(1)? / 2, values.len() / 2];
+    Some(f64::midpoint(values[low], values[high]))
 }
 
 fn gaps(spans: &[Span]) -> Vec<Span> {

@@ -9,7 +9,7 @@ use crate::error::{Error, Location, Result};
 use crate::flight::{Almanac, Epoch, LeapSeconds, Orientation, Span, Trajectory, altitude_m, radii_m};
 use crate::formats::ephemeris;
 use crate::formats::track_picture::{self, Broken, Quantity, Track, TrackSheet};
-use crate::geometry::angle_rad;
+use crate::geometry::{angle_rad, planetocentric_deg, turn_rad};
 
 /// Number of epochs per plotted span.
 const MOMENTS: u32 = 600;
@@ -88,7 +88,8 @@ fn moments(span: &Span) -> impl Iterator<Item = Epoch> + use<> {
 
 /// Longitude, 0 to 360, and latitude of a direction, deg.
 fn directed_deg(p: DVec3) -> [f64; 2] {
-    [p.y.atan2(p.x).to_degrees().rem_euclid(360.0), p.z.atan2(p.x.hypot(p.y)).to_degrees()]
+    let [latitude, longitude] = planetocentric_deg(p);
+    [longitude, latitude]
 }
 
 /// The sub-object point, the altitude above the centre's ellipsoid (or distance from the centre), and the phase angle.
@@ -133,9 +134,9 @@ fn of_orientation(of: &Orientation, start: Epoch) -> Result<Track> {
             let turn = glam::DQuat::from_mat3(&rotation);
             let from = *first.get_or_insert(turn);
             places.push(directed_deg(rotation.transpose() * DVec3::Z));
-            angle.push([s / 3600.0, between_rad(from, turn).to_degrees()]);
+            angle.push([s / 3600.0, turn_rad(from, turn).to_degrees()]);
             if let Some((before_s, before)) = before.filter(|(before_s, _)| s > *before_s) {
-                let turned_rad = between_rad(before, turn);
+                let turned_rad = turn_rad(before, turn);
                 let turned_rad = if turned_rad > STILL_RAD { turned_rad } else { 0.0 };
                 rate.push([0.5 * (before_s + s) / 3600.0, turned_rad.to_degrees() / (s - before_s)]);
             }
@@ -146,10 +147,4 @@ fn of_orientation(of: &Orientation, start: Epoch) -> Result<Track> {
         rates.push(rate);
     }
     Ok(Track { name: of.frame.clone(), map, series: vec![angles, rates] })
-}
-
-/// The angle of the turn from one rotation to another, rad: also of a small one, to its last digits.
-fn between_rad(a: glam::DQuat, b: glam::DQuat) -> f64 {
-    let turn = a.inverse() * b;
-    2.0 * turn.xyz().length().atan2(turn.w.abs())
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Problem, Result};
 use crate::formats::Subject;
 use crate::formats::campaign_toml::Campaign;
 use crate::formats::folder::Staged;
@@ -140,11 +140,7 @@ pub fn write_isd(
     let file = opened(file, acquisition, watch)?;
     let motion = file.motion.as_ref().map(|(motion, timing)| (motion, *timing));
     let band = band.unwrap_or_else(|| study::reference_band(&file.scene, motion));
-    let count = file.scene.exposure.bands.len();
-    if band >= count {
-        let message = format!("band {} is not one of {count}", band.saturating_add(1));
-        return Err(Error::invalid(Location::item("--band"), message));
-    }
+    study::check_band(&file.scene, band, "--band")?;
     let isd = isd_json::isd(&file.scene, motion, band)?;
     let inputs: Vec<&Path> = file.inputs.iter().map(|input| input.path.as_path()).collect();
     write_answers(target, replace, &format!("{isd:#}\n"), &inputs)

@@ -26,7 +26,7 @@ pub use chart::{Render, chart, stability};
 pub use coregister::coregister;
 pub use curve_sheet::CurveSheet;
 pub use dry_run::{Outlook, dry_run, plan};
-pub use exposure_facts::{Drift, ExposureFacts, exposure_facts};
+pub use exposure_facts::{Drift, ExposureFacts, Takes, exposure_facts};
 pub use flight_facts::{FlightFacts, PartFacts, Steps, flight_facts};
 pub use flight_tracks::{draw_flight, flight_sheet};
 pub use image_survey::{Picture, Survey, survey};

@@ -86,10 +86,7 @@ pub fn ortho(
     let is_filter = motion.is_some_and(|(_, timing)| timing.readout == Readout::Band);
     let count = scene.exposure.bands.len();
     let wanted = band.unwrap_or_else(|| study::reference_band(scene, motion));
-    if wanted >= count {
-        let message = format!("band {} is not one of {count}", wanted.saturating_add(1));
-        return Err(Error::Invalid(vec![Problem::new(Location::item("--band"), message)]));
-    }
+    study::check_band(scene, wanted, "--band")?;
     let (grid, parts) = study::ortho(scene, motion, wanted, wish, watch)?;
     let mut bands = Vec::new();
     if let Some(cube) = &cube {

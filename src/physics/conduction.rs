@@ -30,11 +30,6 @@ pub fn rise_by_constant_flux_k(thermal_inertia: f64, flux_w_m2: f64, time_s: f64
     2.0 * flux_w_m2 * (time_s / PI).sqrt() / thermal_inertia
 }
 
-/// Time in which a radiating surface cools, s: (I / (4 eps sigma T^3))^2.
-pub fn relaxation_time_s(thermal_inertia: f64, emissivity_bolometric: f64, t_k: f64) -> f64 {
-    (thermal_inertia * t_k / (4.0 * emitted_w_m2(t_k, emissivity_bolometric))).powi(2)
-}
-
 /// Ground under a surface that radiates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ground {
@@ -288,8 +283,5 @@ mod tests {
         assert!((lag_rad / 0.533_892_529_543_152_6 - 1.0).abs() < 1e-13);
         assert!((rise_by_constant_flux_k(50.0, 10.0, 600.0) / 5.527_906_391_541_368 - 1.0).abs() < 1e-14);
         assert!((thermal_inertia_from_cgs(0.0016) - 66.944).abs() < 1e-12);
-        // 74 s at 300 K, 841 s at 200 K (an emissivity of 0.95).
-        assert!((relaxation_time_s(50.0, 0.95, 300.0) - 74.0).abs() < 0.5);
-        assert!((relaxation_time_s(50.0, 0.95, 200.0) - 841.0).abs() < 1.0);
     }
 }

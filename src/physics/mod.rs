@@ -11,7 +11,7 @@
 //! | emissivity 1 - rho | [`reflectance::kirchhoff_emissivity`] | Kirchhoff | energy balance |
 //! | local equilibrium temperature | [`heat::equilibrium_temperature_k`], [`heat::emitted_w_m2`] | Stefan-Boltzmann | oracles `radiative_equilibrium_T` |
 //! | conduction into the ground over a day | [`conduction::Ground`] | Spencer, Lebofsky & Sykes (1989) | small waves; absorbed = emitted; oracles `conduction_equator` |
-//! | waves at depth, constant flux, relaxation | [`conduction::wave_at_depth`], [`conduction::rise_by_constant_flux_k`], [`conduction::relaxation_time_s`] | Carslaw & Jaeger (1959) | oracles `thermal` |
+//! | waves at depth, constant flux | [`conduction::wave_at_depth`], [`conduction::rise_by_constant_flux_k`] | Carslaw & Jaeger (1959) | oracles `thermal` |
 //! | (9) | [`heat::thesis_temperature_k`] | Domagala (2020) | oracles `thesis_eq9_T` |
 //! | (3) | [`sun::irradiance_on_facet`] | Lambert's cosine | flat plane |
 //! | (5) inverse square | [`sun::irradiance_at`] | - | oracles `TSI` |

@@ -48,13 +48,13 @@ pub fn background_electrons_s(t_k: f64, emissivity: f64, etendue_m2_sr: f64, to_
 }
 
 /// Variance of a count, electrons squared: what is counted counts at random (Poisson), reading adds R, and rounding to steps of Q electrons Q^2 / 12.
-pub fn variance_e2(counted_e: f64, read_e: f64, step_e: f64) -> f64 {
-    counted_e + read_e * read_e + step_e * step_e / 12.0
+pub fn variance_e2(counted_e: f64, read_e: f64, gain_e_dn: f64) -> f64 {
+    counted_e + read_e * read_e + gain_e_dn * gain_e_dn / 12.0
 }
 
 /// Signal over noise, of which the signal counts too: N / sqrt(N + D + R^2 + Q^2 / 12 + (s N)^2), s the standard deviation of elements' sensitivities that calibration does not know.
-pub fn snr(signal_e: f64, others_e: f64, read_e: f64, step_e: f64, sensitivity_sd: f64) -> f64 {
-    let variance = variance_e2(signal_e + others_e, read_e, step_e) + (sensitivity_sd * signal_e).powi(2);
+pub fn snr(signal_e: f64, others_e: f64, read_e: f64, gain_e_dn: f64, prnu: f64) -> f64 {
+    let variance = variance_e2(signal_e + others_e, read_e, gain_e_dn) + (prnu * signal_e).powi(2);
     if signal_e > 0.0 { signal_e / variance.sqrt() } else { 0.0 }
 }
 

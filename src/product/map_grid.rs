@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::geometry::latitude_longitude_deg;
 use crate::geometry::polygon::{Point, Rect, area, clip_to_rect};
 use crate::geometry::{index_u32, whole};
 
@@ -65,12 +66,12 @@ impl Projection {
                 let mut is_first = true;
                 outline_m
                     .map(|p| {
-                        let longitude_deg = p.y.atan2(p.x).to_degrees();
+                        let [latitude_deg, longitude_deg] = latitude_longitude_deg(p);
                         let longitude_deg = longitude_deg + 360.0 * ((about_deg - longitude_deg) / 360.0).round();
                         if std::mem::take(&mut is_first) {
                             about_deg = longitude_deg;
                         }
-                        [longitude_deg, p.z.atan2(p.x.hypot(p.y)).to_degrees()]
+                        [longitude_deg, latitude_deg]
                     })
                     .collect()
             }

@@ -1,6 +1,7 @@
 //! Smile and keystone of a push-broom spectrometer.
 
 use crate::error::{Location, Problem};
+use crate::geometry::polynomial;
 use crate::spectral::{Band, Response};
 
 /// Largest keystone, pixels; more is taken as a mistake.
@@ -15,11 +16,6 @@ pub struct Spectrometer {
     /// Keystone: shift of a band along the slit, pixels. The coordinate is the band's centre, from -1 at the shortest
     /// one to 1 at the longest; 0 for a single one.
     pub keystone_px: Vec<f64>,
-}
-
-/// Horner's scheme.
-fn polynomial(coefficients: &[f64], at: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * at + c)
 }
 
 impl Spectrometer {

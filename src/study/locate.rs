@@ -9,9 +9,9 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Result};
 use crate::flight::Epoch;
-use crate::geometry::{FrameCamera, Pose, angle_rad, whole};
+use crate::geometry::{FrameCamera, Pose, angle_rad, planetocentric_deg, whole};
 use crate::scene::{Body, Mirror, Motion, Readout, Scene, Timing};
 use crate::visibility::RayTree;
 
@@ -37,6 +37,26 @@ pub struct Locator<'a> {
     pub(super) tree: RayTree,
     /// The camera in the middle of each exposure, cached: many places share an exposure.
     middles: Vec<OnceLock<Now>>,
+}
+
+/// The reference band, from 0: the middle one for a filter.
+pub fn reference_band(scene: &Scene, motion: Option<(&Motion, Timing)>) -> usize {
+    match motion {
+        Some((_, timing)) if timing.readout == Readout::Band => timing.reference(&scene.exposure),
+        _ => 0,
+    }
+}
+
+/// Refuses a band, from 0, that a scene does not have; `item` asks for it.
+///
+/// # Errors
+/// [`Error::Invalid`].
+pub fn check_band(scene: &Scene, band: usize, item: &str) -> Result<()> {
+    let count = scene.exposure.bands.len();
+    if band < count {
+        return Ok(());
+    }
+    Err(Error::invalid(Location::item(item), format!("band {} is not one of {count}", band.saturating_add(1))))
 }
 
 /// A place of an image.
@@ -68,8 +88,7 @@ pub struct Ground {
 impl Ground {
     /// Planetocentric latitude and longitude east, deg, 0 to 360.
     pub fn latitude_longitude_deg(&self) -> [f64; 2] {
-        let p = self.point_m;
-        [p.z.atan2(p.x.hypot(p.y)).to_degrees(), p.y.atan2(p.x).to_degrees().rem_euclid(360.0)]
+        planetocentric_deg(self.point_m)
     }
 }
 
@@ -121,10 +140,7 @@ impl<'a> Locator<'a> {
 
     /// The reference band, counted from 0: the middle one for a filter.
     pub fn reference_band(&self) -> usize {
-        match self.motion {
-            Some((_, timing)) if timing.readout == Readout::Band => timing.reference(&self.scene.exposure),
-            _ => 0,
-        }
+        reference_band(self.scene, self.motion)
     }
 
     /// The ground point at an image place in a band, counted from 0; `None`: no surface.
@@ -207,11 +223,7 @@ impl<'a> Locator<'a> {
 
     /// The camera of a band when a place is taken; the slit alone for a push-broom, the column for a whisk-broom.
     fn camera_at(&self, place: Place, band: usize) -> Result<Now> {
-        let bands = self.scene.exposure.bands.len();
-        if band >= bands {
-            let message = format!("band {} is not one of {bands}", band + 1);
-            return Err(Error::Invalid(vec![Problem::new(Location::item("band"), message)]));
-        }
+        check_band(self.scene, band, "band")?;
         let exposure = match self.readout() {
             Readout::Frame => Some(0),
             Readout::Band => Some(band),
@@ -219,9 +231,7 @@ impl<'a> Locator<'a> {
             Readout::Sample(_) => None,
         };
         let now = || self.camera_later(place, band, 0.0);
-        // What is asked of no band is an error, also of a moment that is known.
-        let of_band = exposure.filter(|_| band < self.scene.exposure.bands.len());
-        let Some(kept) = of_band.and_then(|i| self.middles.get(i)) else { return now() };
+        let Some(kept) = exposure.and_then(|i| self.middles.get(i)) else { return now() };
         if let Some(now) = kept.get() {
             return Ok(now.clone());
         }

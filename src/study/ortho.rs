@@ -147,11 +147,3 @@ pub fn ortho(
     parts.retain(|part| part.area > 0.0);
     Ok((grid, parts))
 }
-
-/// The reference band, from 0: the middle one for a filter.
-pub fn reference_band(scene: &Scene, motion: Option<(&Motion, Timing)>) -> usize {
-    match motion {
-        Some((_, timing)) if timing.readout == Readout::Band => timing.reference(&scene.exposure),
-        _ => 0,
-    }
-}

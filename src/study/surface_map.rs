@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::locate::outermost_at;
+use crate::geometry::planetocentric_deg;
 use crate::geometry::{whole, whole_u32};
 use crate::scene::Body;
 use crate::visibility::RayTree;
@@ -59,10 +60,9 @@ fn window(body: &Body) -> ([f64; 2], [f64; 2]) {
     let mut longitudes = Vec::new();
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for vertex_m in body.mesh.used_vertices_m() {
-        let p = vertex_m + body.origin_m;
-        let latitude = p.z.atan2(p.x.hypot(p.y)).to_degrees();
+        let [latitude, longitude] = planetocentric_deg(vertex_m + body.origin_m);
         (low, high) = (low.min(latitude), high.max(latitude));
-        longitudes.push(p.y.atan2(p.x).to_degrees().rem_euclid(360.0));
+        longitudes.push(longitude);
     }
     longitudes.sort_by(f64::total_cmp);
     let (Some(first), Some(last)) = (longitudes.first(), longitudes.last()) else { return ALL };

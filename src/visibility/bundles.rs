@@ -15,6 +15,7 @@ use glam::DVec3;
 use super::blocks::Blocks;
 use super::meetings::{Frame, Meeting, Scratch, meetings};
 use crate::geometry::{Direction, Mesh};
+use crate::units::GOLDEN;
 
 /// A smaller area, over the square of the mesh's extent, is rounding.
 const NO_AREA: f64 = f64::EPSILON * f64::EPSILON;
@@ -125,8 +126,7 @@ impl<'a> Bundles<'a> {
     }
 }
 
-/// Multiples of it, modulo 1, are evenly spread; so are those of the pair in a square.
-const GOLDEN: f64 = 0.618_033_988_749_894_8;
+/// Multiples of the pair, modulo 1, are evenly spread in a square, as those of [`GOLDEN`] are on a line.
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// Cells are not flatter than this.
 const FLATTEST: f64 = 0.1;

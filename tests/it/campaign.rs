@@ -497,7 +497,7 @@ fn mistakes_are_told_where_they_are() {
         ("spacecraft = \"MMX\"", "campaign.toml:10:12 acquisitions[1].offset_s: "),
         (
             "sensor = { samples = 4, lines = 4, fit = \"scene\", bands = { centres_um = [1.0] } }",
-            "acquisitions[1].sensor.fit: an instrument",
+            "acquisitions[1].sensor.fit: `fit` would change the field of view",
         ),
         (
             "sensor = { samples = 4, lines = 4, ifov_mrad = 1.0, bands = { centres_um = [-1.0] } }",

@@ -253,7 +253,7 @@ fn a_camera_is_not_placed_by_what_is_rough() {
     let scratch = Scratch::new();
     let orbit = "# centre = MARS\n# frame = J2000\n# degree = 1\ntdb,mmx_x_km,mmx_y_km,mmx_z_km\n\
                  2027-05-01T00:00:00,9400,0,0\n2027-05-02T00:00:00,9400,1,0\n";
-    scratch.write("mmx.csv", orbit.to_owned());
+    scratch.write("mmx.csv", orbit);
     let files = "files = [\"mmx.csv\"]\nspacecraft = \"MMX\"";
     scratch.write("scene.toml", replaced(FLYING, &[("orbit = \"qso-20x27\"", files)]));
     let scene = scratch.argument("scene.toml");

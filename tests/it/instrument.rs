@@ -101,7 +101,7 @@ fn scattered_light_is_the_mean_of_the_image() {
 const GAUSSIAN: f64 = 1.064_467_019_431_226_2;
 
 /// F/4, 30 um, 0.3, 0.05 s: electrons as worked out by hand for 1 um.
-const DETECTOR: &str = "f_number = 4.0\npixel_um = 30.0\nexposure_s = 0.05\n[sensor.detector]\nthroughput = 0.3\nread_e = 100\ndark_e_s = 1e4\nstep_e = 50\noffset_dn = 300\n";
+const DETECTOR: &str = "f_number = 4.0\npixel_um = 30.0\nexposure_s = 0.05\n[sensor.detector]\nthroughput = 0.3\nread_e = 100\ndark_e_s = 1e4\ngain_e_dn = 50\noffset_dn = 300\n";
 
 #[test]
 fn a_detector_counts_what_it_should_and_as_noisily() {
@@ -146,7 +146,7 @@ fn a_detector_counts_what_it_should_and_as_noisily() {
 #[test]
 fn noise_is_the_same_bytes_at_any_thread_count_and_another_with_another_seed() {
     let scratch = scratch(&format!(
-        "{DETECTOR}dead = 0.1\nsensitivity_sd = 0.01\n[sensor.optics]\ngaussian_px = 0.3\njitter_px = 0.1\n"
+        "{DETECTOR}dead_fraction = 0.1\nprnu = 0.01\n[sensor.optics]\ngaussian_px = 0.3\njitter_px = 0.1\n"
     ));
     let one = simulate(&scratch, "one", &["--threads", "1"]);
     let two = simulate(&scratch, "two", &["--threads", "2"]);
@@ -156,7 +156,7 @@ fn noise_is_the_same_bytes_at_any_thread_count_and_another_with_another_seed() {
     assert_eq!(dead(0), dead(1));
     assert!((8..=32).contains(&dead(0).len()), "{}", dead(0).len());
     assert_eq!(report(&scratch, "one")["signal"]["dead_elements"].as_u64(), Some(dead(0).len() as u64));
-    scratch.edit("scene.toml", "dead = 0.1", "dead = 0.1\nseed = 7");
+    scratch.edit("scene.toml", "dead_fraction = 0.1", "dead_fraction = 0.1\nseed = 7");
     assert_ne!(simulate(&scratch, "other", &[]), one);
 }
 
@@ -190,19 +190,19 @@ fn presets_have_optics_and_a_detector_unless_ideal() {
 #[test]
 fn what_is_wrong_is_said_where_it_is() {
     for (sensor, item, words) in [
-        ("[sensor.detector]\nthroughput = 0.3\nstep_e = 5\n", "sensor.detector", "f_number"),
+        ("[sensor.detector]\nthroughput = 0.3\ngain_e_dn = 5\n", "sensor.detector", "f_number"),
         (
-            "f_number = 4\npixel_um = 30\n[sensor.detector]\nthroughput = 0.3\nstep_e = 5\n",
+            "f_number = 4\npixel_um = 30\n[sensor.detector]\nthroughput = 0.3\ngain_e_dn = 5\n",
             "sensor.detector",
             "exposure_s",
         ),
         (
-            "f_number = 4\npixel_um = 30\nexposure_s = 1\n[sensor.detector]\nstep_e = 5\n",
+            "f_number = 4\npixel_um = 30\nexposure_s = 1\n[sensor.detector]\ngain_e_dn = 5\n",
             "sensor.detector",
             "throughput",
         ),
         (
-            "f_number = 4\npixel_um = 30\nexposure_s = 1\n[sensor.detector]\nthroughput = 30\nstep_e = 5\n",
+            "f_number = 4\npixel_um = 30\nexposure_s = 1\n[sensor.detector]\nthroughput = 30\ngain_e_dn = 5\n",
             "sensor.detector.throughput",
             "0.3",
         ),
@@ -224,7 +224,7 @@ fn what_is_wrong_is_said_where_it_is() {
     scratch.edit("scene.toml", ", fwhm_um = 0.01", "");
     let (code, _, err) = run(&["simulate", &scratch.argument("scene.toml"), "-o", &scratch.argument("out")]);
     assert!(code != 0 && err.contains("width_um"), "{err}");
-    scratch.edit("scene.toml", "step_e = 50", "step_e = 50\nwidth_um = 0.02");
+    scratch.edit("scene.toml", "gain_e_dn = 50", "gain_e_dn = 50\nwidth_um = 0.02");
     let out = scratch.argument("out");
     let (code, _, err) = run(&["simulate", &scratch.argument("scene.toml"), "-o", &out, "--split"]);
     assert!(code != 0 && err.contains("--ideal"), "{err}");
@@ -237,7 +237,7 @@ fn what_is_wrong_is_said_where_it_is() {
 fn throughput_covers_the_bands_it_is_asked_for() {
     let scratch = scratch(&DETECTOR.replace("0.3", "\"throughput.csv\""));
     let simulated = |table: &str| {
-        scratch.write("throughput.csv", table.to_owned());
+        scratch.write("throughput.csv", table);
         let (code, _, err) =
             run(&["simulate", &scratch.argument("scene.toml"), "-o", &scratch.argument("out"), "--force"]);
         (code, err, scratch.join("out").exists().then(|| report(&scratch, "out")))
@@ -260,7 +260,7 @@ fn throughput_covers_the_bands_it_is_asked_for() {
         (ideal.argument("ideal/cube.img"), ideal.argument("instrument.toml"), ideal.argument("out"));
     let detector = DETECTOR.replace("[sensor.", "[").replace("0.3", "\"throughput.csv\"");
     ideal.write("instrument.toml", format!("mmxrt_instrument = 1\n{detector}"));
-    ideal.write("throughput.csv", "wavelength_um,throughput\n1.5,0.2\n4.0,0.2\n".to_owned());
+    ideal.write("throughput.csv", "wavelength_um,throughput\n1.5,0.2\n4.0,0.2\n");
     let (code, _, err) = run(&["instrument", &cube, "--instrument", &file, "-o", &out]);
     assert!(code != 0 && err.contains("throughput") && !ideal.join("out").exists(), "{err}");
 }
@@ -327,7 +327,7 @@ fn saturated_values_are_told_and_have_no_signal() {
 /// The sensitivities of elements, which calibration does not know, are noise of an image: measured over even ground, and reported.
 #[test]
 fn reported_noise_is_what_an_even_image_shows() {
-    let scratch = scratch(&DETECTOR.replace("read_e = 100", "read_e = 100\nsensitivity_sd = 0.02"));
+    let scratch = scratch(&DETECTOR.replace("read_e = 100", "read_e = 100\nprnu = 0.02"));
     scratch.edit("plane.obj", "v 0.3 -20 0", "v -19 -20 0");
     scratch.edit("plane.obj", "v 0.3 20 0", "v -19 20 0");
     let cube = simulate(&scratch, "read", &[]);

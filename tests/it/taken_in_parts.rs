@@ -305,7 +305,7 @@ fn a_table_of_exposures_tells_times_and_drift() {
         let scratch = Scratch::new();
         let table = flat_product(&scratch, readout);
         let facts = exposure_facts(&table).unwrap();
-        assert_eq!((facts.of, facts.exposures, facts.gaps.len()), (of, count, 0));
+        assert_eq!((facts.takes.name(), facts.exposures, facts.gaps.len()), (of, count, 0));
         let is = |value: f64, wanted: f64| (value - wanted).abs() < 1e-6;
         let (step_s, span_s) = if readout == mirror() { (0.1, 1.5) } else { (1.0, (count - 1) as f64) };
         let steps = facts.steps.unwrap();
@@ -351,7 +351,7 @@ fn a_table_of_exposures_that_is_not_whole_says_so() {
     // One exposure alone has no steps, and none has nothing.
     std::fs::write(&table, [rows[0], rows[1]].join("\n")).unwrap();
     let facts = exposure_facts(&table).unwrap();
-    assert_eq!((facts.of, facts.steps, facts.moves, facts.span_s), ("all", None, None, 0.0));
+    assert_eq!((facts.takes.name(), facts.steps, facts.moves, facts.span_s), ("all", None, None, 0.0));
     let bad = |text: String, words: &str| {
         std::fs::write(&table, text).unwrap();
         let message = exposure_facts(&table).unwrap_err().to_string();

@@ -58,7 +58,7 @@ pub struct Campaign {
 #[derive(Debug)]
 struct Entry {
     toml: AcquisitionToml,
-    /// What it changes, as JSON.
+    /// Its changes as text, in the order of [`CHANGES`]: part of the ids.
     changes: String,
     target_m: Option<DVec3>,
 }

@@ -161,10 +161,7 @@ impl<'a> Reading<'a> {
     }
 
     pub(super) fn at(&self, at: Place<'_>) -> Location {
-        match at {
-            Place::Text(part) => place(self.path, self.text, part),
-            Place::Element(element) => element.at(),
-        }
+        place_of(self.path, self.text, at)
     }
 
     pub(super) fn wrong(&mut self, at: Place<'_>, message: impl Into<String>) {

@@ -1,13 +1,11 @@
 //! What segments of orbits and attitudes share: subject, span and interpolation.
 
 use super::message::{Block, Column, Place, Reading, shown};
-use crate::flight::interpolation::MOST_NODES;
+use crate::flight::interpolation::{DEFAULT_DEGREE, MOST_NODES, hermite_nodes};
 use crate::flight::{Epoch, Scale, Span};
 use crate::formats::flight_file::{Object, time_text};
 use crate::report::Fate;
 
-/// Default degree of polynomials.
-const DEGREE: usize = 7;
 /// The subject of a segment.
 pub(super) fn object<'a>(block: &Block<'a>, reading: &mut Reading<'a>) -> Option<Object> {
     let name = reading.needed(block, "OBJECT_NAME")?.value.to_owned();
@@ -143,8 +141,8 @@ pub(super) fn method<'a>(
     let Some(entry) = block.entry(key) else {
         let taken = match otherwise {
             Method::Linear => "linear interpolation".to_owned(),
-            Method::Lagrange(_) => format!("Lagrange polynomials of degree {DEGREE}"),
-            Method::Hermite(_) => format!("Hermite polynomials of degree {DEGREE}"),
+            Method::Lagrange(_) => format!("Lagrange polynomials of degree {DEFAULT_DEGREE}"),
+            Method::Hermite(_) => format!("Hermite polynomials of degree {DEFAULT_DEGREE}"),
         };
         reading.note(Fate::Defaulted, block.at, format!("{key}, which is missing: {taken}"));
         return Some(within(otherwise, block.at, block, reading));
@@ -159,12 +157,12 @@ pub(super) fn method<'a>(
         return None;
     }
     let (degree, at) = degree.unwrap_or_else(|| {
-        let message = format!("INTERPOLATION_DEGREE, which is missing: {DEGREE}");
+        let message = format!("INTERPOLATION_DEGREE, which is missing: {DEFAULT_DEGREE}");
         reading.note(Fate::Defaulted, entry.at, message);
-        (DEGREE, entry.at)
+        (DEFAULT_DEGREE, entry.at)
     });
     let method = match name.as_str() {
-        "HERMITE" if has_slopes => Method::Hermite((degree.saturating_add(2) / 2).max(2)),
+        "HERMITE" if has_slopes => Method::Hermite(hermite_nodes(degree)),
         "HERMITE" => {
             let message =
                 format!("Hermite polynomials need {slopes}, which the rows do not have: Lagrange is used instead");
@@ -197,6 +195,6 @@ fn within<'a>(method: Method, at: Place<'a>, block: &Block<'a>, reading: &mut Re
 impl Method {
     /// The default polynomials: Hermite through positions and velocities, or Lagrange.
     pub(super) fn by_default(has_slopes: bool) -> Self {
-        if has_slopes { Method::Hermite(DEGREE.div_ceil(2)) } else { Method::Lagrange(DEGREE + 1) }
+        if has_slopes { Method::Hermite(hermite_nodes(DEFAULT_DEGREE)) } else { Method::Lagrange(DEFAULT_DEGREE + 1) }
     }
 }

@@ -5,6 +5,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
+use crate::geometry::latitude_longitude_deg;
 use crate::geometry::{Direction, body_from_site};
 
 /// Angles below this are rounding errors of a rotation: a camera that looks straight down has no azimuth of its own, rad.
@@ -31,8 +32,8 @@ pub(super) fn sun_deg(origin_m: DVec3, sun: Direction) -> Option<[f64; 2]> {
 
 /// Planetocentric latitude and longitude (-180 to 180), deg, and no altitude: DART uses them for dates.
 pub(super) fn latitude_longitude_altitude(origin_m: DVec3) -> [f64; 3] {
-    let latitude = origin_m.z.atan2(origin_m.x.hypot(origin_m.y)).to_degrees();
-    [latitude, origin_m.y.atan2(origin_m.x).to_degrees(), 0.0]
+    let [latitude, longitude] = latitude_longitude_deg(origin_m);
+    [latitude, longitude, 0.0]
 }
 
 /// The unit vector with this zenith angle and azimuth, deg.

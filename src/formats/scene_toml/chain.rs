@@ -155,8 +155,8 @@ impl TomlReader<'_> {
                 None
             }
         };
-        let Some(step_e) = toml.step_e.or(preset.as_ref().map(|of| of.step_e)) else {
-            self.problem(&format!("{at}detector"), "`step_e` is missing: electrons of one step of what is sent");
+        let Some(gain_e_dn) = toml.gain_e_dn.or(preset.as_ref().map(|of| of.gain_e_dn)) else {
+            self.problem(&format!("{at}detector"), "`gain_e_dn` is missing: electrons per DN");
             return None;
         };
         let of_preset = |value: fn(&Detector) -> f64| preset.as_ref().map_or(0.0, value);
@@ -172,10 +172,10 @@ impl TomlReader<'_> {
         };
         let read_e = toml.read_e.unwrap_or(of_preset(|of| of.read_e));
         let bits = toml.bits.or(preset.as_ref().map(|of| of.bits)).unwrap_or(16);
-        let all_e = step_e * 2.0_f64.powi(bits.cast_signed());
+        let all_e = gain_e_dn * 2.0_f64.powi(bits.cast_signed());
         let offset_dn = toml.offset_dn.or(preset.as_ref().map(|of| of.offset_dn)).unwrap_or_else(|| {
             let most_dn = 2.0_f64.powi(bits.cast_signed()) - 1.0;
-            let offset_dn = (OFFSET_SIGMA * read_e / step_e).ceil().min((0.5 * most_dn).floor());
+            let offset_dn = (OFFSET_SIGMA * read_e / gain_e_dn).ceil().min((0.5 * most_dn).floor());
             if offset_dn > 0.0 {
                 let what = format!(
                     "{offset_dn}: {OFFSET_SIGMA} times the noise of reading, so that faint light is not cut off"
@@ -193,11 +193,11 @@ impl TomlReader<'_> {
             background_e_s,
             read_e,
             full_well_e: toml.full_well_e.or(preset.as_ref().map(|of| of.full_well_e)).unwrap_or(all_e),
-            step_e,
+            gain_e_dn,
             offset_dn,
             bits,
-            sensitivity_sd: toml.sensitivity_sd.unwrap_or(of_preset(|of| of.sensitivity_sd)),
-            dead: toml.dead.unwrap_or(of_preset(|of| of.dead)),
+            prnu: toml.prnu.unwrap_or(of_preset(|of| of.prnu)),
+            dead_fraction: toml.dead_fraction.unwrap_or(of_preset(|of| of.dead_fraction)),
             seed: toml.seed.unwrap_or(1),
         })
     }
@@ -220,11 +220,11 @@ impl super::instruments::Instrument {
             background_e_s: 0.0,
             read_e: self.reading.read_e,
             full_well_e: self.reading.full_well_e,
-            step_e: self.reading.step_e,
+            gain_e_dn: self.reading.gain_e_dn,
             offset_dn: self.reading.offset_dn,
             bits: self.reading.bits,
-            sensitivity_sd: self.reading.sensitivity_sd,
-            dead: 0.0,
+            prnu: self.reading.prnu,
+            dead_fraction: 0.0,
             seed: 1,
         }
     }
@@ -240,7 +240,7 @@ impl super::instruments::Instrument {
             self.throughput,
             self.reading.dark_e_s,
             self.reading.read_e,
-            self.reading.step_e,
+            self.reading.gain_e_dn,
             self.reading.bits
         )
     }

@@ -58,40 +58,40 @@ pub(crate) struct DetectorToml {
     /// Electrons per second without light. Default 0.
     #[schemars(range(min = 0))]
     pub(crate) dark_e_s: Option<f64>,
-    /// Electrons per second of what the instrument itself radiates, or what follows from its warmth. Default 0.
+    /// Background from the instrument's own radiation, electrons per second, or its temperature. Default 0.
     pub(crate) background: Option<BackgroundToml>,
-    /// Noise of reading, electrons. Default 0.
+    /// Read noise, electrons. Default 0.
     #[schemars(range(min = 0))]
     pub(crate) read_e: Option<f64>,
-    /// The most electrons that a pixel holds. Default: what all numbers stand for.
+    /// Full well, electrons. Default: that of the largest DN.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub(crate) full_well_e: Option<f64>,
-    /// Electrons of one step of what is sent (gain).
+    /// Gain, electrons per DN.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub(crate) step_e: Option<f64>,
-    /// Number that is sent for no electrons. Default: five times the noise of reading.
+    pub(crate) gain_e_dn: Option<f64>,
+    /// Offset (bias level), DN. Default: five times the read noise.
     #[schemars(range(min = 0))]
     pub(crate) offset_dn: Option<f64>,
-    /// Binary digits of what is sent. Default 16.
+    /// Bit depth. Default 16.
     #[schemars(range(min = 1, max = 32))]
     pub(crate) bits: Option<u32>,
-    /// Standard deviation of the elements' sensitivity that calibration does not know. Default 0.
+    /// Photo-response non-uniformity (PRNU), standard deviation, not removed by calibration. Default 0.
     #[schemars(range(min = 0, max = 1))]
-    pub(crate) sensitivity_sd: Option<f64>,
-    /// Share of elements that see nothing. Default 0.
+    pub(crate) prnu: Option<f64>,
+    /// Fraction of dead elements. Default 0.
     #[schemars(range(min = 0, max = 1))]
-    pub(crate) dead: Option<f64>,
-    /// The same seed, the same noise. Default 1.
+    pub(crate) dead_fraction: Option<f64>,
+    /// Seed of the noise. Default 1.
     pub(crate) seed: Option<u64>,
 }
 
-/// What the instrument itself radiates.
+/// Background from the instrument's own radiation.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(crate) enum BackgroundToml {
     /// Electrons per second.
     Electrons(#[schemars(range(min = 0))] f64),
-    /// What follows from its warmth.
+    /// From its temperature.
     Warm(WarmToml),
 }
 

@@ -33,20 +33,20 @@ pub(super) struct Instrument {
 
 /// How a detector counts.
 pub(super) struct Reading {
-    /// Electrons per second without light.
+    /// Dark current, electrons per second.
     pub(super) dark_e_s: f64,
-    /// Noise of reading, electrons.
+    /// Read noise, electrons.
     pub(super) read_e: f64,
-    /// The most electrons that a pixel holds.
+    /// Full well, electrons.
     pub(super) full_well_e: f64,
-    /// Electrons of a step of what is sent.
-    pub(super) step_e: f64,
-    /// What is sent for none.
+    /// Gain, electrons per DN.
+    pub(super) gain_e_dn: f64,
+    /// Offset, DN.
     pub(super) offset_dn: f64,
-    /// Binary digits of what is sent.
+    /// Bit depth.
     pub(super) bits: u32,
-    /// Standard deviation of the elements' sensitivity.
-    pub(super) sensitivity_sd: f64,
+    /// PRNU, standard deviation.
+    pub(super) prnu: f64,
 }
 
 /// Nothing of this is published of either instrument: what detectors of this kind have. Lambert ground of 0.07 under an overhead Sun at 1.5 au fills them to about three
@@ -55,10 +55,10 @@ const ASSUMED: Reading = Reading {
     dark_e_s: 1e4,
     read_e: 100.0,
     full_well_e: 4e6,
-    step_e: 64.0,
+    gain_e_dn: 64.0,
     offset_dn: 200.0,
     bits: 16,
-    sensitivity_sd: 0.002,
+    prnu: 0.002,
 };
 
 /// MacrOmega (Domagala 2020, I.C): 256 x 256 pixels, a tunable filter, 300 bands of a second each, less than 10 nm apart; pixels below 20 m from 25 km. Its field of view is assumed, and all of

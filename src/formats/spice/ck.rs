@@ -12,6 +12,7 @@ use glam::{DQuat, DVec3};
 use super::clock::Clock;
 use super::daf::Daf;
 use super::frames::Frames;
+use super::pck::append;
 use super::{count, epoch, rows};
 use crate::error::{Error, Problem, Result};
 use crate::flight::{Almanac, Attitudes, Between, Orientation, Span, Spin, Turn, Turning, Unread};
@@ -61,11 +62,8 @@ pub(super) fn furnish(path: &Path, frames: &Frames, almanac: &mut Almanac) -> Re
             }
         };
         let (frame, base) = (frames.of_class(Frames::CK, instrument), frames.of_id(base));
-        let last = almanac.orientations[first..].iter_mut().rev().find(|of| of.frame == frame);
-        match last.filter(|of| of.base == base) {
-            Some(orientation) => orientation.turns.extend(turns),
-            None => almanac.orientations.push(Orientation { frame, base, source: path.display().to_string(), turns }),
-        }
+        let source = path.display().to_string();
+        append(&mut almanac.orientations, first, Orientation { frame, base, source, turns });
     }
     Ok(())
 }

@@ -271,8 +271,8 @@ fn fixed(frame: &Defined, pool: &Pool) -> Result<(String, Turning)> {
             rotation_near(matrix).ok_or_else(|| pool.wrong(&find("MATRIX"), "must be a rotation matrix"))?
         }
         "QUATERNION" => {
-            let [w, x, y, z] = *list("Q", 4)? else { return Ok((frame_name(base), unread(String::new()))) };
-            let q = DQuat::from_xyzw(x, y, z, w);
+            let numbers = list("Q", 4)?;
+            let q = DQuat::from_xyzw(numbers[1], numbers[2], numbers[3], numbers[0]);
             let square = q.length_squared();
             if !square.is_normal() {
                 return Err(pool.wrong(&find("Q"), "must have a length above 0"));

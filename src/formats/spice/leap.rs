@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::flight::{LeapSeconds, Pool, whole};
+use crate::units::{DAY_S, TT_TAI_S};
 
 /// The variable with the list of leap seconds.
 const STEPS: &str = "DELTET/DELTA_AT";
@@ -18,10 +19,10 @@ pub(super) fn seconds(pool: &Pool) -> Result<Option<LeapSeconds>> {
     if !rest.is_empty() {
         return Err(pool.wrong(STEPS, "must be pairs: TAI - UTC, date from which it holds"));
     }
-    if pool.number(TT_TAI)?.is_some_and(|offset_s| offset_s != 32.184) {
+    if pool.number(TT_TAI)?.is_some_and(|offset_s| offset_s != TT_TAI_S) {
         return Err(pool.wrong(TT_TAI, "must be 32.184 (s, by definition)"));
     }
-    let day = |date_s: f64| whole(date_s / 86_400.0 + 0.5).map(i64::from);
+    let day = |date_s: f64| whole(date_s / DAY_S + 0.5).map(i64::from);
     let steps: Option<Vec<(i64, f64)>> =
         pairs.iter().map(|[offset_s, date_s]| Some((day(*date_s)?, *offset_s))).collect();
     let steps = steps.ok_or_else(|| pool.wrong(STEPS, "has a date that is not a whole day, e.g. @1972-JAN-1"))?;

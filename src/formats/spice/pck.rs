@@ -16,6 +16,15 @@ pub(super) fn is_read(kind: i32) -> bool {
     matches!(kind, 2 | 3)
 }
 
+/// Adds the turns of a frame to the last orientation of that frame from `first` on, if its base is the same; else adds the orientation: a later one takes precedence.
+pub(super) fn append(orientations: &mut Vec<Orientation>, first: usize, of: Orientation) {
+    let last = orientations[first..].iter_mut().rev().find(|last| last.frame == of.frame);
+    match last.filter(|last| last.base == of.base) {
+        Some(last) => last.turns.extend(of.turns),
+        None => orientations.push(of),
+    }
+}
+
 /// Reads a file's orientations into an almanac.
 pub(super) fn furnish(path: &Path, frames: &Frames, almanac: &mut Almanac) -> Result<()> {
     let mut daf = Daf::open(path, SUMMARY.0, SUMMARY.1)?;
@@ -35,14 +44,8 @@ pub(super) fn furnish(path: &Path, frames: &Frames, almanac: &mut Almanac) -> Re
         };
         let turn = Turn { span, turning };
         let (frame, base) = (frames.of_class(Frames::PCK, class), frames.of_id(base));
-        let last = almanac.orientations[first..].iter_mut().rev().find(|of| of.frame == frame);
-        match last.filter(|of| of.base == base) {
-            Some(orientation) => orientation.turns.push(turn),
-            None => {
-                let source = path.display().to_string();
-                almanac.orientations.push(Orientation { frame, base, source, turns: vec![turn] });
-            }
-        }
+        let source = path.display().to_string();
+        append(&mut almanac.orientations, first, Orientation { frame, base, source, turns: vec![turn] });
     }
     Ok(())
 }

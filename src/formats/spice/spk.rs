@@ -10,9 +10,8 @@ use super::{count, epoch, rows};
 use crate::error::{Error, Result};
 use crate::flight::interpolation::MOST_NODES;
 use crate::flight::{Almanac, Chebyshev, Interpolation, Nodes, Path, Segment, Span, Trajectory, Unread};
+use crate::units::KM_M;
 
-/// Metres of a kilometre.
-const KM_M: f64 = 1000.0;
 /// Numbers per state: position, km, and velocity, km/s.
 const STATE: usize = 6;
 
