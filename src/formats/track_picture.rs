@@ -174,6 +174,7 @@ fn unwrapped(points: &[[f64; 2]], west: f64) -> Broken {
 /// From where to where longitudes and latitudes of a map go that shows these points: all directions, or those around the points if these are close together.
 fn window(points: &[[f64; 2]]) -> [(f64, f64); 2] {
     let all = [(0.0, 360.0), (-90.0, 90.0)];
+    let points: Vec<[f64; 2]> = points.iter().copied().filter(|point| point.iter().all(|x| x.is_finite())).collect();
     let mut longitudes: Vec<f64> = points.iter().map(|point| point[0].rem_euclid(360.0)).collect();
     longitudes.sort_by(f64::total_cmp);
     let (Some(first), Some(last)) = (longitudes.first(), longitudes.last()) else { return all };

@@ -388,8 +388,8 @@ fn velocities_are_the_rates_of_positions() {
             fastest_m_s = fastest_m_s.max(if centre == "MARS" { velocity_m_s.length() } else { 0.0 });
         }
     }
-    // Of a circle of 9376 km in 7.654 h.
-    assert!((fastest_m_s - 2138.0).abs() < 3.0, "{fastest_m_s}");
+    // A circle of 9376 km in 7.654 h, on which Phobos lags and leads as it librates: 1.1 deg in a turn are 2 %.
+    assert!((fastest_m_s - 2138.0).abs() < 60.0, "{fastest_m_s}");
 }
 
 /// A rotation is a pole and a prime meridian; SPICE knows three coefficients of each.

@@ -282,7 +282,7 @@ mod tests {
             ("A = inf", "\"inf\" is neither"),
             ("A = 1e999", "\"1e999\" is neither"),
             ("A = @1972-FEB-30", "is neither"),
-            ("A = 1\nA += 'x'", "k.tpc:3: A has numbers and texts"),
+            ("A = 1\nA += 'x'", "k.tpc:3: A: += cannot mix numbers and strings"),
         ] {
             let error = pool(&format!("\\begindata\n{data}")).unwrap_err().to_string();
             assert!(error.contains(told), "{data}: {error}");
