@@ -27,7 +27,7 @@ fuzz_target!(|data: &[u8]| {
         // A camera may have any number of pixels and bands; none is looked through here.
         let extremes = Extremes::new(&file.scene);
         if let Some((_, plan)) = told(study::plan(&file.scene, &extremes, &Request::default())) {
-            let _ = study::dry_run(&file.scene, &extremes, &plan);
+            let _ = study::dry_run(&file.scene, None, &extremes, &plan);
         }
         ColouredMesh::of_scene(&file.scene, &path, &mut Report::default());
         if file.scene.exposure.bands.len() < 1000 {

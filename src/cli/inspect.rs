@@ -88,7 +88,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         let message = "has no single spectrum to write: use --csv with --pixel, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));
     }
-    if arguments.picture.is_none() && path.is_file() && ephemeris::is_kernel(path)? {
+    if path.is_file() && ephemeris::is_kernel(path)? {
+        if let Some(target) = &arguments.picture {
+            super::settle(target, console)?;
+            job::draw_flight(path, target, arguments.force)?;
+        }
         return tell(kernel(path)?, arguments, console);
     }
     // For a product, the cube is the image.
@@ -109,7 +113,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             flight(path, format.name)?
         }
         _ if arguments.picture.is_some() => {
-            return Err(Error::invalid(Location::file(path), "is not an image, so no picture can be made of it"));
+            let problem = Problem::new(Location::file(path), "is not an image, so no picture can be made of it");
+            let help = "pictures are made of images, orbits and attitudes (also kernels); of a product folder its cube";
+            return Err(Error::Invalid(vec![problem.with_help(help)]));
         }
         _ if is_campaign(path)? => campaign(path, console)?,
         _ if is_scene(path)? => return super::dry_run::run(path, console),

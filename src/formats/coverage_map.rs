@@ -7,7 +7,7 @@ use crate::product::Coverage;
 use crate::study::SurfaceMap;
 
 /// Left, right, above and below the map, px.
-const MARGIN: [f64; 4] = [64.0, 24.0, 64.0, 96.0];
+const MARGIN: [f64; 4] = [64.0, 24.0, 64.0, 106.0];
 const INK: Colour = [34, 40, 49];
 const GREY: Colour = [108, 117, 128];
 /// Surface that is not seen, and no surface.
@@ -16,7 +16,7 @@ const NOTHING: Colour = [255, 255, 255];
 /// Height of the scale of colours, px, and how far below the map it begins.
 const BAR: [f64; 2] = [14.0, 44.0];
 /// Scales of colours go to where this share of what is seen lies: a few facets would take most of the colours.
-const MOST: f64 = 0.99;
+const MOST: f64 = 0.98;
 /// Labels of an axis are at least so far apart, px.
 const APART: f64 = 72.0;
 
@@ -61,35 +61,33 @@ pub(super) fn sampling(map: &SurfaceMap, coverage: &Coverage, said: &str) -> Vec
     known.sort_by(f64::total_cmp);
     let (finest, coarsest) = sampling_ends(&known);
     let beyond = known.len() - known.partition_point(|m| *m <= coarsest * (1.0 + 1e-9));
-    let said = match beyond {
-        0 => said.to_owned(),
-        1 => format!("{said}; 1 facet more coarsely than the scale goes, up to {} m", whole_m(&known)),
-        _ => format!("{said}; {beyond} facets more coarsely than the scale goes, up to {} m", whole_m(&known)),
-    };
+    let beyond = known.last().filter(|_| beyond > 0).map(|most| {
+        let percent = 100.0 * beyond as f64 / known.len() as f64;
+        format!("{percent:.1} % of the facets seen are beyond the scale, up to {} m", two_digits(*most))
+    });
     let share = |m: f64| (coarsest / m).ln() / (coarsest / finest).ln();
-    let ticks = one_two_five(finest, |_, _| true)
-        .chain(one_two_five(coarsest, |_, _| true))
+    let digits: &[f64] = if coarsest > 10.0 * finest { &DIGITS } else { &FINE_DIGITS };
+    let ticks = round(digits, finest, |_, _| true)
+        .chain(round(digits, coarsest, |_, _| true))
         .filter(|m| (finest * (1.0 - 1e-9)..=coarsest * (1.0 + 1e-9)).contains(m));
     let mut ticks: Vec<(f64, String)> = ticks.map(|m| (share(m), number(m))).collect();
     ticks.sort_by(|a, b| a.0.total_cmp(&b.0));
     ticks.dedup_by(|a, b| a.1 == b.1);
     let scale = Scale { title: "Finest ground sampling", unit: "m", ticks };
     let of = |facet: usize| coverage.sampling_m[facet].is_finite().then(|| share(coverage.sampling_m[facet]));
-    picture(map, &scale, &said, of)
+    picture(map, &scale, [said, beyond.as_deref().unwrap_or_default()], of)
 }
 
-/// The coarsest, m, as a number to read.
-fn whole_m(sorted: &[f64]) -> String {
-    sorted.last().map_or_else(String::new, |m| number(format!("{m:.1e}").parse().unwrap_or(*m)))
+fn two_digits(x: f64) -> String {
+    number(format!("{x:.1e}").parse().unwrap_or(x))
 }
 
-/// The ends of a scale, m, of samplings in their order: numbers of the kind 1, 2, 5 around all but a hundredth at either end, which are facets that are seen
-/// along the ground or at the rim.
+/// The ends of a scale, m, of samplings in their order: round numbers around all but a few at either end, which are facets seen along the ground or at the rim.
 fn sampling_ends(sorted: &[f64]) -> (f64, f64) {
     let (Some(low), Some(high)) = (at_share(sorted, 1.0 - MOST), at_share(sorted, MOST)) else { return (1.0, 10.0) };
-    let finest = one_two_five(low, |x, end| x <= end * (1.0 + 1e-9)).next_back().unwrap_or(low);
-    let coarsest = one_two_five(high, |x, end| x * (1.0 + 1e-9) >= end).next().unwrap_or(high);
-    (finest, if coarsest <= finest { 10.0 * finest } else { coarsest })
+    let finest = round(&FINE_DIGITS, low, |x, end| x <= end * (1.0 + 1e-9)).next_back().unwrap_or(low);
+    let coarsest = round(&FINE_DIGITS, high, |x, end| x * (1.0 + 1e-9) >= end).next().unwrap_or(high);
+    (finest, if coarsest <= finest { 2.0 * finest } else { coarsest })
 }
 
 /// The value that this share of some in their order does not go beyond.
@@ -103,30 +101,35 @@ pub(super) fn count(map: &SurfaceMap, coverage: &Coverage, said: &str) -> Vec<u8
     let mut seen: Vec<u32> = coverage.sights.iter().copied().filter(|count| *count > 0).collect();
     seen.sort_unstable();
     let most = f64::from(at_share(&seen, MOST).unwrap_or(1));
-    let said = match seen.last() {
-        Some(last) if f64::from(*last) > most => {
-            format!("{said}; a hundredth more often than the scale goes, up to {last} times")
-        }
-        _ => said.to_owned(),
-    };
+    let beyond = seen.last().filter(|last| f64::from(**last) > most);
+    let beyond = beyond.map_or_else(String::new, |last| format!("a few facets are beyond the scale, up to {last}"));
     let step = (most / 8.0).max(1.0);
-    let step = one_two_five(step, |x, end| x * (1.0 + 1e-9) >= end).next().unwrap_or(step);
+    let step = round(&DIGITS, step, |x, end| x * (1.0 + 1e-9) >= end).next().unwrap_or(step);
     let shown = (0..=crate::geometry::whole(most / step)).map(|i| i as f64 * step);
     let ticks = shown.map(|n| (n / most, number(n))).collect();
     let scale = Scale { title: "Number of sights", unit: "acquisitions", ticks };
     let of = |facet: usize| Some(f64::from(coverage.sights[facet]) / most).filter(|share| *share > 0.0);
-    picture(map, &scale, &said, of)
+    picture(map, &scale, [said, &beyond], of)
 }
 
-/// 1, 2 and 5 times powers of ten around a number, ascending, of those that are as they should be beside it.
-fn one_two_five(around: f64, is_good: impl Fn(f64, f64) -> bool) -> std::vec::IntoIter<f64> {
+/// First digits of round numbers, and of those that part a scale of less than a decade.
+const DIGITS: [f64; 3] = [1.0, 2.0, 5.0];
+const FINE_DIGITS: [f64; 10] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
+
+/// Round numbers around a number, ascending, of those that are as they should be beside it.
+fn round(digits: &[f64], around: f64, is_good: impl Fn(f64, f64) -> bool) -> std::vec::IntoIter<f64> {
     let power = around.log10().floor();
-    let steps = (-1..=1).flat_map(|k| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powf(power + f64::from(k))));
+    let steps = (-1..=1).flat_map(|k| digits.iter().map(move |digit| digit * 10_f64.powf(power + f64::from(k))));
     steps.filter(|x| is_good(*x, around)).collect::<Vec<f64>>().into_iter()
 }
 
-/// A map with its axes and its scale; `share` is where a facet lies on the scale, if it has been seen.
-fn picture(map: &SurfaceMap, scale: &Scale, said: &str, share: impl Fn(usize) -> Option<f64>) -> Vec<u8> {
+/// A map with its axes and its scale, what is said above, and below of what is beyond the scale; `share` is where a facet lies on the scale, if it has been seen.
+fn picture(
+    map: &SurfaceMap,
+    scale: &Scale,
+    [said, beyond]: [&str; 2],
+    share: impl Fn(usize) -> Option<f64>,
+) -> Vec<u8> {
     let [left, right, above, below] = MARGIN;
     let [width, height] = [map.samples, map.lines].map(|n| n as f64);
     let mut drawing = Drawing::new(left + width.max(480.0) + right, above + height + below);
@@ -165,6 +168,7 @@ fn picture(map: &SurfaceMap, scale: &Scale, said: &str, share: impl Fn(usize) ->
             free = x + 34.0;
         }
     }
+    drawing.text([left, top + BAR[0] + 34.0], Anchor::Start, 11.0, GREY, beyond);
     drawing.rectangle([left + length + 24.0, top], [left + length + 38.0, top + BAR[0]], UNSEEN, 1.0);
     drawing.text([left + length + 44.0, top + 11.0], Anchor::Start, 11.0, INK, "not seen");
     let (mut rgb, size) = drawing.rgb(1.0).unwrap_or_default();
@@ -203,12 +207,12 @@ mod tests {
         // An image of 14 m, of which five facets of a thousand are seen along the ground.
         let mut of: Vec<f64> = (0..995).map(|i| 13.5 + 1e-3 * f64::from(i)).collect();
         of.extend([100.0, 300.0, 500.0, 1000.0, 1900.0]);
-        assert_eq!(sampling_ends(&of), (10.0, 20.0));
-        assert_eq!((sampling_ends(&[]), sampling_ends(&[20.0])), ((1.0, 10.0), (20.0, 200.0)));
-        let counts: Vec<u32> = (1..=201).collect();
+        assert_eq!(sampling_ends(&of), (12.0, 15.0));
+        assert_eq!((sampling_ends(&[]), sampling_ends(&[20.0])), ((1.0, 10.0), (20.0, 40.0)));
+        let counts: Vec<u32> = (1..=101).collect();
         assert_eq!(
             (at_share(&counts, MOST), at_share::<u32>(&[], MOST), at_share(&[7], MOST)),
-            (Some(199), None, Some(7))
+            (Some(99), None, Some(7))
         );
     }
 }

@@ -103,9 +103,17 @@ impl Axis {
         from + (value - start) / (end - start) * (to - from)
     }
 
-    /// Round numbers in all pieces.
+    /// Round numbers in all pieces, as many as can be read beside each other.
     fn ticks(&self) -> Vec<(f64, String)> {
-        self.0.iter().flat_map(|([start, end], _)| ticks(*start, *end)).collect()
+        let mut all: Vec<(f64, String)> = self.0.iter().flat_map(|([start, end], _)| ticks(*start, *end)).collect();
+        let mut free = f64::NEG_INFINITY;
+        all.retain(|(value, said)| {
+            let (at, half) = (self.at(*value), 0.5 * super::drawing::text_width(said, 12.0, false));
+            let fits = at - half >= free;
+            free = if fits { at + half + 6.0 } else { free };
+            fits
+        });
+        all
     }
 }
 
@@ -391,6 +399,9 @@ mod tests {
             [[0.0, 801.0]]
         );
         assert_eq!(pieces(vec![]), [[0.0, 1.0]]);
+        // What has no room between its neighbours is not labelled.
+        let narrow = Axis::cut(&[[0.0, 1.6], [14969.0, 15000.0]], [0.0, 752.0]).ticks();
+        assert!(narrow.iter().filter(|(minutes, _)| *minutes < 2.0).count() <= 2, "{narrow:?}");
         // A third of what the cut leaves of the axis is the second piece.
         let axis = Axis::cut(&[[0.0, 2.0], [250.0, 251.0]], [0.0, 300.0 + CUT]);
         assert_eq!([0.0, 1.0, 2.0, 250.0, 251.0].map(|x| axis.at(x)), [0.0, 100.0, 200.0, 200.0 + CUT, 300.0 + CUT]);

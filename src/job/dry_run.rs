@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 use crate::formats::{Subject, machine, scene_toml};
 use crate::progress::Watch;
-use crate::study::{self, DryRun, Extremes, Plan, Request};
+use crate::study::{self, DryRun, Extremes, Moving, Plan, Request};
 
 /// What can be said about a simulation before it is run.
 #[derive(Debug)]
@@ -46,7 +46,13 @@ pub fn plan(path: &Path, request: &Request, watch: Watch<'_>) -> Result<(Outlook
 
 /// What simulating a scene would take; `simulable` says whether this version can.
 fn outlook(subject: Subject, extremes: &Extremes, plan: &Plan, simulable: Result<()>) -> Outlook {
-    let dry_run = study::dry_run(&subject.scene, extremes, plan);
+    let moving = subject.motion.as_ref().map(|(motion, timing)| Moving {
+        scene: &subject.scene,
+        motion,
+        timing: *timing,
+        optics: None,
+    });
+    let dry_run = study::dry_run(&subject.scene, moving, extremes, plan);
     let has_room = study::has_room(&subject.scene, false, machine::memory_bytes());
     let mut errors: Vec<Error> = [simulable, has_room].into_iter().filter_map(Result::err).collect();
     let error = match errors.len() {

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
-use crate::flight::{Almanac, Epoch, LeapSeconds, Orientation, Span, Trajectory, altitude_m, radii_m};
+use crate::flight::{Almanac, Epoch, LeapSeconds, Orientation, Scale, Span, Trajectory, altitude_m, radii_m};
 use crate::formats::ephemeris;
 use crate::formats::track_picture::{self, Broken, Quantity, Track, TrackSheet};
 use crate::geometry::{angle_rad, planetocentric_deg, turn_rad};
@@ -26,16 +26,49 @@ pub fn draw_flight(path: &Path, target: &Path, replace: bool) -> Result<()> {
     track_picture::write(&flight_sheet(path)?, target, replace, path)
 }
 
+/// What of a file is plotted, the almanac that it is known by, and its time scale.
+struct Plotted {
+    trajectories: Vec<Trajectory>,
+    orientations: Vec<Orientation>,
+    almanac: Almanac,
+    scale: Scale,
+}
+
+/// What a file that is not a kernel knows.
+fn of_file(path: &Path) -> Result<Plotted> {
+    let file = ephemeris::read(path, &LeapSeconds::default())?;
+    let mut almanac = Almanac::with_rough_trajectories();
+    let trajectories: Vec<Trajectory> = file.trajectories.into_iter().map(|(_, trajectory)| trajectory).collect();
+    let orientations: Vec<Orientation> = file.orientations.into_iter().map(|(_, orientation)| orientation).collect();
+    almanac.trajectories.extend(trajectories.iter().cloned());
+    almanac.orientations.extend(orientations.iter().cloned());
+    Ok(Plotted { trajectories, orientations, almanac, scale: file.scale })
+}
+
+/// What a kernel knows, or those that a meta-kernel lists: of things about different centres those about the centre of the
+/// first spacecraft, or of the first thing.
+fn of_kernel(path: &Path) -> Result<Plotted> {
+    let mut almanac = Almanac::with_rough_trajectories();
+    let known = (almanac.trajectories.len(), almanac.orientations.len());
+    ephemeris::furnish(path, &mut almanac)?;
+    let mut trajectories = almanac.trajectories[known.0..].to_vec();
+    let orientations = almanac.orientations[known.1..].to_vec();
+    let is_craft = |of: &&Trajectory| almanac.names.id(&of.target).is_some_and(|id| id < 0);
+    if let Some(first) = trajectories.iter().find(is_craft).or(trajectories.first()) {
+        let (centre, frame) = (first.centre.clone(), first.frame.clone());
+        trajectories.retain(|of| of.centre == centre && of.frame == frame);
+    }
+    Ok(Plotted { trajectories, orientations, almanac, scale: Scale::Tdb })
+}
+
 /// The plots of a file: sub-object points of trajectories, if their centre's rotation is known; for a file without
 /// trajectories, the +z axes of its frames.
 ///
 /// # Errors
 /// Those of its reader; [`Error::Invalid`] if nothing of it can be drawn.
 pub fn flight_sheet(path: &Path) -> Result<TrackSheet> {
-    let file = ephemeris::read(path, &LeapSeconds::default())?;
-    let mut almanac = Almanac::with_rough_trajectories();
-    let trajectories: Vec<Trajectory> = file.trajectories.into_iter().map(|(_, trajectory)| trajectory).collect();
-    let orientations: Vec<Orientation> = file.orientations.into_iter().map(|(_, orientation)| orientation).collect();
+    let plotted = if ephemeris::is_kernel(path)? { of_kernel(path)? } else { of_file(path)? };
+    let Plotted { trajectories, orientations, almanac, scale } = plotted;
     let spans: Vec<Span> = trajectories
         .iter()
         .flat_map(Trajectory::spans)
@@ -44,10 +77,8 @@ pub fn flight_sheet(path: &Path) -> Result<TrackSheet> {
     let Some(start) = spans.iter().map(|span| span.start).min_by(|a, b| a.tdb_s().total_cmp(&b.tdb_s())) else {
         return Err(Error::invalid(Location::file(path), "knows no span of time that could be drawn"));
     };
-    almanac.trajectories.extend(trajectories.iter().cloned());
-    almanac.orientations.extend(orientations.iter().cloned());
     let name = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    let begins = format!("{} {}", start.to_text(file.scale, 0, &LeapSeconds::default()), file.scale.name());
+    let begins = format!("{} {}", start.to_text(scale, 0, &LeapSeconds::default()), scale.name());
     Ok(if trajectories.is_empty() {
         TrackSheet {
             title: format!("{name}: where +z points"),

@@ -276,7 +276,8 @@ fn acquire(
         }
         None => (integrate::integrate(scene, table, wanted, watch)?, true),
     };
-    let (mut observation, _) = account_for(scene, (table, extremes), reference, uses_sun, watch)?;
+    let (mut observation, _) =
+        account_for(scene, (table, extremes), reference, by_line.then_some(&lines), uses_sun, watch)?;
     if by_line {
         (observation.backplanes, observation.footprints) = (lines, footprints);
     }

@@ -1,11 +1,13 @@
 //! What can be said about a simulation before it is run: what it will take, and what its user should know.
 
+use super::acquisition::Moving;
 use super::cost;
 use super::extremes::Extremes;
+use super::glimpse::Glimpse;
 use super::plan::Plan;
 use super::summary::{self, Summary};
 use super::warnings::{self, Sight};
-use crate::scene::Scene;
+use crate::scene::{Scene, Take};
 
 /// What can be said about a simulation before it is run.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,12 +26,15 @@ pub struct DryRun {
     pub warnings: Vec<String>,
 }
 
-/// Looks at a scene without simulating it, as it is planned.
-pub fn dry_run(scene: &Scene, extremes: &Extremes, plan: &Plan) -> DryRun {
+/// Exposures of a scene taken in parts that are looked through, if the one in the middle sees nothing.
+const LOOKS: usize = 32;
+
+/// Looks at a scene without simulating it, as it is planned; `moving` is how it is taken in parts, if it is.
+pub fn dry_run(scene: &Scene, moving: Option<Moving<'_>>, extremes: &Extremes, plan: &Plan) -> DryRun {
     let Extremes { site, glimpse, open_to_shadow, .. } = extremes;
     let summary = summary::summary(scene, site);
-    let sight =
-        Sight { sees_mesh: glimpse.facets_in_frame > 0, back_share: glimpse.back_share(scene), about: "about " };
+    let sees_mesh = glimpse.facets_in_frame > 0 || moving.is_some_and(sees_some);
+    let sight = Sight { sees_mesh, back_share: glimpse.back_share(scene), about: "about " };
     let dark = (!glimpse.faces_sun).then(|| "nothing is lit: the Sun is below every facet".to_owned());
     DryRun {
         filled: glimpse.filled(),
@@ -44,4 +49,13 @@ pub fn dry_run(scene: &Scene, extremes: &Extremes, plan: &Plan) -> DryRun {
         .concat(),
         summary,
     }
+}
+
+/// Whether any of some exposures, evenly in time, might see a facet: slits and mirrors look elsewhere than the frame in the middle.
+fn sees_some(moving: Moving<'_>) -> bool {
+    let takes: Vec<Take> = moving.timing.takes(&moving.scene.exposure).collect();
+    let some = (0..LOOKS.min(takes.len())).map(|i| &takes[i * takes.len() / LOOKS.min(takes.len())]);
+    // A pose that is not known is told of elsewhere.
+    let mut exposures = some.filter_map(|take| moving.exposure(take).ok());
+    exposures.any(|exposure| Glimpse::through(moving.scene, &exposure.camera).facets_in_frame > 0)
 }

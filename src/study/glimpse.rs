@@ -47,8 +47,13 @@ struct Part {
 
 impl Glimpse {
     pub(super) fn new(scene: &Scene) -> Self {
+        Self::through(scene, &scene.exposure.camera)
+    }
+
+    /// What another camera sees of a scene.
+    pub(super) fn through(scene: &Scene, camera: &FrameCamera) -> Self {
         // Through a lens, of the cells that cover its pixels.
-        let camera = &scene.exposure.camera.drawn().pinhole;
+        let camera = &camera.drawn().pinhole;
         let counts = [camera.samples.min(MOST_RAYS), camera.lines.min(MOST_RAYS)];
         let blank = || Part { met: vec![SKY; (counts[0] * counts[1]) as usize], facets_in_frame: 0, faces_sun: false };
         let towards_sun = scene.sky.sun.direction.vec();

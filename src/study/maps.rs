@@ -170,7 +170,8 @@ pub fn observe_maps_by_slabs(
     maps.knows_enough()?;
     maps.add(&mut image.slab, &on_scene, &take, watch)?;
     drop(on_scene);
-    let (mut observation, mut slab) = account_for(scene, (table, &Extremes::new(scene)), image, maps.use_sun(), watch)?;
+    let (mut observation, mut slab) =
+        account_for(scene, (table, &Extremes::new(scene)), image, None, maps.use_sun(), watch)?;
     // Only now: what is computed is checked for numbers that are none.
     maps.mark(&mut slab, &unknown);
     put(slab)?;

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::instrument::Optics;
 use crate::integrate::{self, Image, Wanted};
 use crate::physics::bounds;
-use crate::product::{FacetTable, Slab};
+use crate::product::{Backplanes, FacetTable, Slab};
 use crate::progress::{Watch, tell};
 use crate::scene::{MarsModel, Scene, Sky};
 use crate::solve;
@@ -69,7 +69,7 @@ pub fn observe_through(
     has_room(scene, false, None)?;
     serves(optics, &scene.exposure)?;
     let image = integrate::integrate(scene, table, wanted, watch)?;
-    let (observation, slab) = account_for(scene, (table, extremes), image, true, watch)?;
+    let (observation, slab) = account_for(scene, (table, extremes), image, None, true, watch)?;
     match optics {
         None => put(slab)?,
         Some(optics) => {
@@ -85,6 +85,7 @@ pub(super) fn account_for(
     scene: &Scene,
     (table, extremes): (&FacetTable, &Extremes),
     image: Image,
+    along: Option<&Backplanes>,
     uses_sun: bool,
     watch: Watch<'_>,
 ) -> Result<(Observation<()>, Slab)> {
@@ -112,7 +113,7 @@ pub(super) fn account_for(
         effects: effects_in(&given, table),
         warnings: [
             scene.remarks(),
-            warnings::of_image(table, &counts, &image, uses_sun),
+            warnings::of_image(table, &counts, (&image, along), uses_sun),
             warnings::of_scene(scene, site, extremes.open_to_shadow, uses_sun),
             warnings::of_light_between(scene, table),
         ]

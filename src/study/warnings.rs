@@ -29,11 +29,17 @@ pub(super) struct Sight {
 }
 
 /// Warnings that need the image. `uses_sun` says whether anything in it is sunlight of this scene: if not, where the Sun stands is of
-/// no interest.
-pub(super) fn of_image(table: &FacetTable, counts: &Counts, image: &Image, uses_sun: bool) -> Vec<String> {
-    let covered_px: f64 = image.backplanes.plane("COVERAGE").map_or(0.0, |p| p.values.iter().sum());
+/// no interest. `along` are the planes of an image taken line by line: the whole frame may look elsewhere.
+pub(super) fn of_image(
+    table: &FacetTable,
+    counts: &Counts,
+    (image, along): (&Image, Option<&Backplanes>),
+    uses_sun: bool,
+) -> Vec<String> {
+    let coverage = |planes: &Backplanes| planes.plane("COVERAGE").map_or(0.0, |p| p.values.iter().sum());
+    let covered_px: f64 = coverage(&image.backplanes);
     let sight = Sight {
-        sees_mesh: counts.visible_facets > 0,
+        sees_mesh: counts.visible_facets > 0 || along.is_some_and(|along| coverage(along) > 0.0),
         back_share: if covered_px > 0.0 { image.back_area_px / covered_px } else { 0.0 },
         about: "",
     };
@@ -48,7 +54,7 @@ pub(super) fn of_image(table: &FacetTable, counts: &Counts, image: &Image, uses_
     let others = [
         ("Mars-light", table.of(Sky::MARS).is_some_and(|mars| is_any(&mars.irradiance))),
         ("other beams", beams.map(|lighting| &lighting.irradiance).any(|irradiance| is_any(irradiance))),
-        ("bodies of the sky", image.backplanes.planes.iter().any(is_globe)),
+        ("bodies of the sky", along.unwrap_or(&image.backplanes).planes.iter().any(is_globe)),
         ("heat", is_any(&table.temperature_lit_k) || is_any(&table.temperature_shaded_k)),
     ];
     let others: Vec<&str> = others.into_iter().filter(|other| other.1).map(|other| other.0).collect();

@@ -61,9 +61,37 @@ fn the_command_draws_both() {
             assert_eq!(run(&["inspect", &data(file), "--picture", target]).0, 1, "replaced");
         }
         let text = std::fs::read_to_string(&svg).unwrap();
-        assert!(text.contains("hours after") && !text.contains("NaN"));
+        assert!(text.contains("minutes after") && !text.contains("NaN"));
         assert!(quicklook::read_info(Path::new(&png)).unwrap().0 > 800);
     }
     let (code, _, err) = run(&["inspect", &data("circle.oem"), "--picture", &scratch.argument("x.jpg")]);
     assert!(code == 1 && err.contains(".svg or .png"), "{err}");
+}
+
+/// Kernels are drawn as other files are; a meta-kernel draws what it lists together, which attitudes need, whose times are ticks of a clock.
+#[test]
+fn kernels_are_drawn() {
+    let scratch = Scratch::new();
+    let spice = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/spice");
+    let kernel = |name: &str| spice.join(name).display().to_string();
+    let of = |names: [&str; 4]| names.map(|name| format!("'{}'", kernel(name))).join(", ");
+    let meta = |names: [&str; 4], file: &str| {
+        scratch
+            .write(file, format!("KPL/MK\n\\begindata\nKERNELS_TO_LOAD = ( {} )\n\\begintext\n", of(names)))
+            .display()
+            .to_string()
+    };
+    let turns = meta(["probe.tls", "probe.tsc", "probe.tf", "probe.bc"], "turns.tm");
+    for (file, said) in [(kernel("probe.bsp"), "height, km"), (turns, "turned, deg")] {
+        let svg = scratch.argument("kernel.svg");
+        let (code, _, err) = run(&["inspect", &file, "--picture", &svg, "--force"]);
+        assert_eq!(code, 0, "{err}");
+        let text = std::fs::read_to_string(&svg).unwrap();
+        assert!(text.contains(said) && text.contains("TDB") && !text.contains("NaN"), "{file}");
+    }
+    // What has no times cannot be drawn, nor attitudes whose clock is missing.
+    for (file, expected) in [("mars.tpc", "no span of time"), ("probe.bc", "clock")] {
+        let (code, _, err) = run(&["inspect", &kernel(file), "--picture", &scratch.argument("none.svg")]);
+        assert!(code == 1 && err.contains(expected) && !scratch.join("none.svg").exists(), "{err}");
+    }
 }
