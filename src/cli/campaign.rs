@@ -53,7 +53,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         status.told.iter().for_each(|said| console.note(said));
         console.line(&line(&status, seconds))
     };
-    let finished = job::campaign(&mut campaign, &order, &run, &mut report, &watch)?;
+    let finished = match job::campaign(&mut campaign, &order, &run, &mut report, &watch) {
+        // Not that of other commands, of whose output nothing is there then.
+        Err(Error::Interrupted) if !console.is_json() => {
+            console.finish_progress();
+            let folder = folder.display();
+            console.note(&format!(
+                "interrupted: what is complete in {folder} is kept, and the same command goes on from there"
+            ));
+            return Ok(Outcome::Failed);
+        }
+        finished => finished?,
+    };
     console.finish_progress();
     say(&finished, console);
     let [_, _, failed] = finished.counts;

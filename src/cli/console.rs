@@ -183,6 +183,11 @@ impl Console {
         self.began.elapsed().as_secs_f64()
     }
 
+    /// Whether results and errors are JSON.
+    pub(crate) fn is_json(&self) -> bool {
+        self.json
+    }
+
     /// Whether to report everything.
     pub(crate) fn is_verbose(&self) -> bool {
         self.verbose

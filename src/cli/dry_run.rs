@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use mmxrt::flight::Scale;
 use mmxrt::formats::machine;
 use mmxrt::job::{self, Outlook};
-use mmxrt::scene::{Material, Scene};
+use mmxrt::scene::{Material, Motion, Readout, Scene, Timing};
 use mmxrt::spectral::Band;
 use mmxrt::{Result, study};
 use serde_json::{Value, json};
@@ -51,6 +52,10 @@ fn text(outlook: &Outlook) -> String {
         format!("at the origin: {}", joined(&angles)),
         format!("camera: {}, {} from the origin", sensor.instrument, metres(&[about.range_m])),
         format!(
+            "flight: {}",
+            subject.motion.as_ref().map_or("none".to_owned(), |moving| flight(&subject.scene, moving))
+        ),
+        format!(
             "image: {} x {} pixels of {} there ({} mrad); {}, about {:.0} % filled",
             sensor.camera.samples,
             sensor.camera.lines,
@@ -78,6 +83,24 @@ fn text(outlook: &Outlook) -> String {
         format!("begins: {}", if outlook.error.is_none() { "yes" } else { "no" }),
     ];
     lines.join("\n")
+}
+
+/// What flies, when, and how the image is taken on the way.
+fn flight(scene: &Scene, (motion, timing): &(Motion, Timing)) -> String {
+    let each = match timing.readout {
+        Readout::Frame => "all at once",
+        Readout::Band => "a band at a time",
+        Readout::Line => "a line at a time",
+        Readout::Sample(_) => "a sample at a time",
+    };
+    let start = motion.start.to_text(Scale::Utc, 3, &motion.almanac.leap);
+    let duration_s = short(timing.duration_s(&scene.exposure));
+    format!(
+        "{} about {}, from {start} UTC; {each}: {} exposures over {duration_s} s",
+        motion.spacecraft,
+        motion.body,
+        timing.count(&scene.exposure)
+    )
 }
 
 /// A list under its name.

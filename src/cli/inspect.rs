@@ -187,7 +187,15 @@ fn line(name: &str, value: &Value) -> String {
         Value::String(text) => text.clone(),
         Value::Object(object) => {
             // An empty name is shown as "".
-            let of = |v: &Value| v.as_str().filter(|s| !s.is_empty()).map_or_else(|| v.to_string(), str::to_owned);
+            let of = |v: &Value| match v {
+                Value::String(text) if !text.is_empty() => text.clone(),
+                // What is inside is not read in a line.
+                Value::Array(items) if items.len() > ENDS || items.iter().any(Value::is_object) => {
+                    format!("{} (see --json)", items.len())
+                }
+                Value::Object(inside) if inside.len() > ENDS => format!("{} items (see --json)", inside.len()),
+                other => other.to_string(),
+            };
             // The name comes first; the order of the rest means nothing.
             let (mut named, rest): (Vec<_>, Vec<_>) = object.iter().partition(|(k, _)| NAMING.contains(&k.as_str()));
             named.extend(rest);
@@ -227,6 +235,9 @@ fn inspect(path: &Path, format: Option<&Format>, console: &Console) -> Result<Fa
         (_, Some("csv")) => spectrum(path, console),
         (_, Some(_)) => converted(path, console),
         _ if path.is_file() => {
+            if path.metadata().is_ok_and(|about| about.len() == 0) {
+                return Err(Error::invalid(Location::file(path), "is empty"));
+            }
             let message = format!("no known format ends in {extension:?}");
             let endings = registry::endings(|_| true).join(", ");
             let help = format!("these do: {endings}, json, mtl; or name a folder of a product or a DART simulation");
@@ -506,16 +517,31 @@ fn folder(path: &Path) -> Result<Facts> {
     if path.join("simulation.properties.txt").is_file() || path.join("output/simulation.properties.txt").is_file() {
         return dart_output(path);
     }
-    if !path.join("report.json").is_file() {
-        return Err(Error::invalid(
-            Location::file(path),
-            "is neither a product folder (no report.json) nor an output of DART (no simulation.properties.txt)",
-        ));
+    if path.join("manifest.json").is_file() {
+        return report(&path.join("manifest.json"));
     }
-    let files = product_folder::files(path)?;
-    let mut facts = vec![("kind", json!("product folder"))];
-    let files = files.iter().map(|(name, bytes)| json!({ "file": name, "bytes": bytes }));
-    facts.push(("files", files.collect()));
+    let files = || -> Result<Value> {
+        let files = product_folder::files(path)?;
+        Ok(files.iter().map(|(name, bytes)| json!({ "file": name, "bytes": bytes })).collect())
+    };
+    for (summary, kind) in [("ortho.json", "orthorectified image"), ("errors.json", "geolocation errors")] {
+        let summary = path.join(summary);
+        if summary.is_file() {
+            let said: Value = report_json::read(&summary)?;
+            return Ok(vec![("kind", json!(kind)), ("files", files()?), ("says", said)]);
+        }
+    }
+    if !path.join("report.json").is_file() {
+        let message =
+            "is neither a product folder (no report.json) nor an output of DART (no simulation.properties.txt)";
+        let problem = Problem::new(Location::file(path), message);
+        let is_begun = ["products", "sights"].iter().any(|part| path.join(part).is_dir());
+        return Err(Error::Invalid(vec![match is_begun {
+            true => problem.with_help("of a campaign that is not finished: inspect a folder in products/"),
+            false => problem.with_help("inspect a file in it"),
+        }]));
+    }
+    let mut facts = vec![("kind", json!("product folder")), ("files", files()?)];
     facts.extend(report(&path.join("report.json"))?.into_iter().filter(|(name, _)| *name != "kind"));
     Ok(facts)
 }

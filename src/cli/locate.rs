@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// A place of the image, pixels from the outer corner of the first pixel: the middle of the first pixel is 0.5,0.5
     #[arg(long, value_name = "SAMPLE,LINE", group = "asked", value_parser = pixel, allow_hyphen_values = true)]
     pixel: Vec<Place>,
-    /// A point of the ground in the body-fixed frame, from the body's centre, m
+    /// A point of the ground in the body-fixed frame, from the body's centre, m. `inside` says whether it falls into the image, `hidden_by` which facet hides it there, `reason` why nothing is seen
     #[arg(long, value_name = "X,Y,Z", group = "asked", value_parser = point, allow_hyphen_values = true)]
     ground: Vec<DVec3>,
     /// A table of places (columns sample, line) or points (x_m, y_m, z_m), each of a `band` if it has that column

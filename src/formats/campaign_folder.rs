@@ -62,6 +62,7 @@ impl CampaignFolder {
         };
         let folder = CampaignFolder(path.to_owned());
         match path.read_dir() {
+            Err(e) if e.kind() == ErrorKind::NotFound && path.is_symlink() => return refused("is a link to nothing"),
             Err(e) if e.kind() == ErrorKind::NotFound => {}
             Err(_) if path.is_file() => return refused("is a file"),
             Err(e) => return Err(Error::io(path, "reading", e)),

@@ -68,7 +68,10 @@ pub fn read(path: &Path, leap: &LeapSeconds) -> Result<FlightFile> {
         Holds::Flight { read, .. } => read(path, leap),
         _ => {
             let problem = Problem::new(Location::file(path), "is not a file of flight dynamics");
-            let help = format!("these are: kernels of SPICE, {}", registry::dotted(Format::is_flight));
+            let help = format!(
+                "these are: kernels of SPICE, {}; a table (.csv, .toml) is one by its columns, e.g. `time`, `mmx_x_km`, `mmx_y_km`, `mmx_z_km`",
+                registry::dotted(Format::is_flight)
+            );
             Err(Error::Invalid(vec![problem.with_help(help)]))
         }
     }

@@ -28,11 +28,12 @@ const TOLD: usize = 100;
 pub(super) const LONGEST_NAME: usize = 400;
 
 /// The keys that identify what a text is, and what to do with it.
-const KINDS: [(&str, &str); 6] = [
+const KINDS: [(&str, &str); 7] = [
     ("mmxrt_scene", "is a scene file: `mmxrt simulate` takes it"),
     ("mmxrt_map", "is a map file: `mmxrt integrate SCENE --radiance` takes it"),
     ("mmxrt_campaign", "is a campaign: `mmxrt campaign` takes it, and `mmxrt locate` with --acquisition NAME"),
     ("mmxrt_knowledge", "says how well something is known: `mmxrt locate SCENE --knowledge` takes it"),
+    ("mmxrt_instrument", "is an instrument: `mmxrt instrument CUBE --instrument` takes it"),
     ("mmxrt_flight", "is a table of positions: `mmxrt inspect` says what it holds"),
     (
         "seed",

@@ -110,7 +110,7 @@ pub fn read(path: &Path) -> Result<Vec<Question>> {
 
 /// Names of the columns of what is found; cells that do not apply are empty.
 pub const COLUMNS: &str =
-    "sample,line,band,tdb_s,x_m,y_m,z_m,latitude_deg,longitude_deg,range_m,facet,emission_deg,inside,hidden_by";
+    "sample,line,band,tdb_s,x_m,y_m,z_m,latitude_deg,longitude_deg,range_m,facet,emission_deg,inside,hidden_by,reason";
 
 /// A row of what was found for a question of a band counted from 0.
 pub fn row(question: &Question, band: usize, found: &Found) -> String {
@@ -124,22 +124,29 @@ pub fn row(question: &Question, band: usize, found: &Found) -> String {
             let Ground { range_m, facet, .. } = ground;
             write!(
                 text,
-                "{sample},{line},{band},{time},{},{},{},{latitude},{longitude},{range_m},{facet},{emission},,",
+                "{sample},{line},{band},{time},{},{},{},{latitude},{longitude},{range_m},{facet},{emission},,,",
                 p.x, p.y, p.z
             )
         }
-        (Asked::Pixel(Place { sample, line }), _) => write!(text, "{sample},{line},{band},,,,,,,,,,,"),
+        (Asked::Pixel(Place { sample, line }), _) => {
+            write!(text, "{sample},{line},{band},,,,,,,,,,,,outside the image or sky")
+        }
         (Asked::Ground(p), Found::Place(Some(seen))) => {
             let Place { sample, line } = seen.place;
             let hidden = seen.hidden_by.map_or(String::new(), |facet| facet.to_string());
             let time = time(seen.epoch);
+            let reason = match (seen.inside, seen.hidden_by) {
+                (false, _) => "outside the image",
+                (true, Some(_)) => "hidden by that facet",
+                (true, None) => "",
+            };
             write!(
                 text,
-                "{sample},{line},{band},{time},{},{},{},,,{},,,{},{hidden}",
+                "{sample},{line},{band},{time},{},{},{},,,{},,,{},{hidden},{reason}",
                 p.x, p.y, p.z, seen.range_m, seen.inside
             )
         }
-        (Asked::Ground(p), _) => write!(text, ",,{band},,{},{},{},,,,,,false,", p.x, p.y, p.z),
+        (Asked::Ground(p), _) => write!(text, ",,{band},,{},{},{},,,,,,false,,never before the camera", p.x, p.y, p.z),
     };
     text
 }

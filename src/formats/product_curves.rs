@@ -17,7 +17,7 @@ pub(super) fn displacement_svg(within_px: &[f64]) -> String {
     let bands: Vec<f64> = (1..=within_px.len() / 2).map(|i| i as f64).collect();
     let along = |axis: usize| within_px.iter().skip(axis).step_by(2).copied().collect::<Vec<_>>();
     let curves = [("samples", along(0)), ("lines", along(1))];
-    let title = "Displacement against the reference band: 95 % of the pixels are within";
+    let title = "Displacement against the reference band: 95th percentile of the pixels";
     spectrum_svg::draw(title, "band", "pixels", &bands, &curves)
 }
 

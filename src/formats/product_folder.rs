@@ -158,10 +158,13 @@ impl ProductFolder {
         let bands = subject.scene.exposure.bands.len();
         let has_exposure = |band: &&usize| !has_maps && is_filter && **band < bands;
         if let Some(other) = self.options.planes_of.iter().find(|band| !has_exposure(band)) {
-            let message = format!(
-                "band {} has no exposure of its own: each band of a simulated scene with a `[flight]` and `kind = \"tunable_filter\"` has",
-                other.saturating_add(1)
-            );
+            let number = other.saturating_add(1);
+            let message = match *other < bands {
+                true => format!(
+                    "band {number} has no exposure of its own: each band of a simulated scene with a `[flight]` and `kind = \"tunable_filter\"` has"
+                ),
+                false => format!("band {number} is asked for, counted from 1: there are {bands}"),
+            };
             return Err(Error::invalid(Location::item("--planes-of"), message));
         }
         let inputs = subject.inputs.iter().map(|input| &input.path).chain(more_inputs);

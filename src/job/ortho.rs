@@ -43,6 +43,11 @@ fn subject_and_cube(of: &Path, campaign: Option<&Path>, watch: Watch<'_>) -> Res
             let name = of.file_name().unwrap_or_default().to_string_lossy().into_owned();
             acquired(campaign, &name, watch)?
         }
+        (None, Some(scene)) if !Path::new(&scene.path).is_file() => {
+            let problem = Problem::new(Location::file(of), format!("its scene is not there: {}", scene.path));
+            let help = "a relative path starts where the product was made: run this from there";
+            return Err(Error::Invalid(vec![problem.with_help(help)]));
+        }
         (None, Some(scene)) => Subject::from(scene_toml::read(Path::new(&scene.path), watch)?),
         (None, None) => {
             return Err(Error::invalid(Location::file(of), "its report names no scene: name the scene file"));

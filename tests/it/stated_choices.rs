@@ -113,7 +113,7 @@ fn who_names_effects_decides_and_is_told() {
         ("mars-light", "no Mars"),
         ("mars-shadows", "no Mars"),
         ("mars-glow", "no Mars"),
-        ("thermal-inertia", "no thermal inertia is stated"),
+        ("thermal-inertia", "no thermal inertia above 0 is stated"),
         ("bodies", "no body besides Mars"),
     ] {
         let line = err.lines().find(|line| line.contains(&format!("asks for {key},")));

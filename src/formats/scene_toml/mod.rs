@@ -847,8 +847,11 @@ impl TomlReader<'_> {
         if let Some(Rotation { period_s, .. }) = flown {
             self.stated("thermal.period_s", format!("{period_s:.2}: from noon to noon, as `flight` has it"));
         } else if toml.period_s.is_none() {
-            let needing =
-                [("axis", toml.axis.is_some()), ("inertia", toml.inertia.is_some()), ("steps", toml.steps.is_some())];
+            let needing = [
+                ("axis", toml.axis.is_some()),
+                ("inertia", toml.inertia.is_some_and(|inertia| inertia > 0.0)),
+                ("steps", toml.steps.is_some()),
+            ];
             for (key, _) in needing.into_iter().filter(|(_, is_given)| *is_given) {
                 let message = format!("counts for nothing without `period_s`, the length of a day{unknown}");
                 self.note(&format!("thermal.{key}"), message);

@@ -45,7 +45,7 @@ pub(super) fn missing(given: &Given) -> Option<&'static str> {
     match (given.scene.sky.rotation.is_some(), conducts) {
         (true, true) => None,
         (false, true) => Some("no length of a day is stated (`thermal.period_s`)"),
-        (_, false) => Some("no thermal inertia is stated (`thermal.inertia`)"),
+        (_, false) => Some("no thermal inertia above 0 is stated (`thermal.inertia`)"),
     }
 }
 
