@@ -1,9 +1,9 @@
 //! What can be said about a simulation before it is run: what it will take, and what its user should know.
 
-use super::acquisition::Moving;
 use super::cost;
 use super::extremes::Extremes;
 use super::glimpse::Glimpse;
+use super::moving::Moving;
 use super::plan::Plan;
 use super::summary::{self, Summary};
 use super::warnings::{self, Sight};

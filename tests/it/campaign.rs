@@ -136,6 +136,7 @@ fn a_campaign_is_made_once_and_then_kept() {
     assert_eq!(manifest["acquisitions"][2]["epoch_utc"], "2027-05-01T06:00:00.000");
     let (_, out, _) = run(&["inspect", &scratch.argument("out/manifest.json")]);
     assert!(out.starts_with("kind: campaign manifest\n") && out.contains("\nacquisitions: 4\nfailed: 0\n"), "{out}");
+    assert_eq!(run(&["inspect", &scratch.argument("out")]).1, out);
     let (_, out, _) = run(&["inspect", &scratch.argument("campaign.toml")]);
     assert!(out.starts_with("kind: campaign\nacquisitions: 4\n") && out.contains("name site"), "{out}");
     // Again, with other threads: nothing is touched but the record, which is the same.
@@ -520,6 +521,12 @@ fn mistakes_are_told_where_they_are() {
     for (folder, expected) in [("scene.toml", "is a file"), ("full", "holds something else than a campaign")] {
         let (code, _, err) = made(&scratch, folder, &[]);
         assert!(code == 1 && err.contains(expected), "{err}");
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(scratch.join("nowhere"), scratch.join("dangling")).unwrap();
+        let (code, _, err) = made(&scratch, "dangling", &[]);
+        assert!(code == 1 && err.contains("is a link to nothing"), "{err}");
     }
     // The campaign lies where its products go.
     std::fs::create_dir_all(scratch.join("in/products/x")).unwrap();

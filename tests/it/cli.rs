@@ -99,6 +99,15 @@ fn errors_name_the_place_as_text_and_as_json() {
     assert!(code == 1 && err.contains("none.xyz"), "{err}");
     let (code, _, err) = run(&["inspect", scratch.path().to_str().unwrap()]);
     assert!(code == 1 && err.contains("neither a product folder"), "{err}");
+    // What is no scene, though it is TOML, and what is nothing.
+    for (name, text, expected) in [
+        ("of.toml", "mmxrt_instrument = 1\nf_number = 4.0\n", "is an instrument: `mmxrt instrument"),
+        ("e.bsp", "", "is empty"),
+    ] {
+        scratch.write(name, text);
+        let (code, _, err) = run(&["inspect", &scratch.argument(name)]);
+        assert!(code == 1 && err.contains(expected) && err.matches("error").count() == 1, "{name}: {err}");
+    }
 }
 
 #[test]

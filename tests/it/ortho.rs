@@ -138,6 +138,8 @@ fn the_command_maps_a_product() {
     let (code, out, err) = run(&["inspect", &scratch.argument("map/ortho.hdr")]);
     assert_eq!(code, 0, "{out} {err}");
     assert_eq!(run(&["inspect", &scratch.argument("map/lookup.npz")]).0, 0);
+    let (code, out, err) = run(&["inspect", &map]);
+    assert!(code == 0 && out.starts_with("kind: orthorectified image") && out.contains("ortho.img"), "{out} {err}");
     // A scene alone has no values, but says which pixels see what.
     let (code, _, err) = run(&["locate", &scene, "--ortho", "plate-carree:0.2", "-o", &map, "--force"]);
     assert_eq!(code, 0, "{err}");
