@@ -203,7 +203,18 @@ fn line(name: &str, value: &Value) -> String {
         }
         other => other.to_string(),
     };
+    // What is said of each band is long: what of it is asked for first.
+    let in_short = |band: &Value| {
+        let of = |key: &str| Some((key.to_owned(), band.get(key)?.clone()));
+        Value::Object(["centre_um", "snr_mean", "snr_lowest", "saturated"].into_iter().filter_map(of).collect())
+    };
     match value {
+        Value::Object(items) if name == "signal" && items.get("bands").is_some_and(Value::is_array) => {
+            let bands = items["bands"].as_array().into_iter().flatten().map(in_short).collect();
+            let rest: serde_json::Map<_, _> =
+                items.iter().filter(|(key, _)| *key != "bands").map(|(k, v)| (k.clone(), v.clone())).collect();
+            line(name, &Value::Object(rest)) + &line("signal of bands", &Value::Array(bands))
+        }
         Value::Array(items) if items.is_empty() => format!("{name}: none\n"),
         Value::Object(items) if items.is_empty() => format!("{name}: none\n"),
         Value::Array(items) => {
