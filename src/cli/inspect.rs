@@ -88,7 +88,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         let message = "has no single spectrum to write: use --csv with --pixel, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));
     }
-    if path.is_file() && ephemeris::is_kernel(path)? {
+    // A kernel of shapes is a mesh.
+    let is_mesh = || registry::of_input(path).is_ok_and(|(format, _)| format.is_mesh());
+    if path.is_file() && ephemeris::is_kernel(path)? && !is_mesh() {
         if let Some(target) = &arguments.picture {
             super::settle(target, console)?;
             job::draw_flight(path, target, arguments.force)?;

@@ -60,16 +60,16 @@ impl ColouredMesh {
         ColouredMesh { mesh: scene.body.mesh.clone(), materials, origin_m: Some(scene.body.origin_m), sun: None }
     }
 
-    /// Places the mesh as its user says, who knows more than the file; `up` is the up axis of its format.
+    /// Places the mesh as its user says, who knows more than the file; `up` and `unit_m` are the up axis and the unit of its format.
     #[must_use]
-    pub fn placed(mut self, placing: &Placing, up: Up) -> Self {
+    pub fn placed(mut self, placing: &Placing, (up, unit_m): (Up, f64)) -> Self {
         let turn = |v: DVec3| match (up, placing.up.unwrap_or(up)) {
             // The reader has turned what has y up.
             (Up::Y, Up::Z) => DVec3::new(v.x, v.z, -v.y),
             (Up::Z, Up::Y) => DVec3::new(v.x, -v.z, v.y),
             _ => v,
         };
-        let unit_m = placing.unit_m.unwrap_or(1.0);
+        let unit_m = placing.unit_m.unwrap_or(unit_m);
         self.mesh.vertices_m.iter_mut().for_each(|v| *v = turn(*v) * unit_m);
         self.sun = self.sun.and_then(|sun| Direction::new(turn(sun.vec())));
         if placing.flip {

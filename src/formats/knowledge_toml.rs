@@ -333,7 +333,7 @@ impl Reader<'_> {
         let file = registry::mesh(&self.beside(name), true)?;
         self.inputs.extend(file.inputs);
         let placing = Placing { unit_m: toml.unit_m, up: toml.up, ..Placing::default() };
-        let mut mesh = file.surface.placed(&placing, file.up).mesh;
+        let mut mesh = file.surface.placed(&placing, (file.up, file.unit_m)).mesh;
         let is_radial = toml.pose == Some(NamedPose::Radial);
         let is_of_body = toml.coordinates == Some(Coordinates::Body);
         let axes = if is_radial { body_from_site(origin_m) } else { Some(DMat3::IDENTITY) };

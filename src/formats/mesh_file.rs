@@ -56,6 +56,8 @@ pub struct MeshFile {
     pub surface: ColouredMesh,
     /// The axis that files of this format have up, if they do not say it; a reader that knows has turned z up already.
     pub up: Up,
+    /// The unit of length that files of this format have, if their user knows no other, m.
+    pub unit_m: f64,
     /// Statements that were ignored, and how many of each.
     pub ignored: BTreeMap<String, usize>,
     /// What of the file has no place in a mesh, but for what `doubts` tell: how the surface should look, most of all.

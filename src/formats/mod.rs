@@ -39,6 +39,7 @@ pub mod manifest_json;
 mod marks;
 pub mod matches_csv;
 pub mod mesh_file;
+mod meshes;
 pub mod mtl;
 mod npy;
 pub mod npz;

@@ -9,6 +9,7 @@ use super::foreign;
 use super::format::{Format, Holds, ending};
 use super::gltf::format::{BINARY, TEXT};
 use super::mesh_file::MeshFile;
+use super::meshes;
 use super::obj::format::OBJ;
 use super::raster::headers::ENVI;
 use super::raster::{self, Raster};
@@ -22,6 +23,11 @@ pub static ALL: &[&Format] = &[
     &OBJ,
     &TEXT,
     &BINARY,
+    &meshes::PLY,
+    &meshes::stl::STL,
+    &meshes::dsk::DSK,
+    &meshes::shape_text::TAB,
+    &meshes::shape_text::ICQ,
     &SIMULATION,
     &ENVI,
     &raster::headers::ILWIS,

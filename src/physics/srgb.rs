@@ -7,10 +7,12 @@ pub fn linear_from_hex(hex: &str) -> Option<[f64; 3]> {
         return None;
     }
     let all = u32::from_str_radix(digits, 16).ok()?;
-    Some([all >> 16, all >> 8 & 255, all & 255].map(|byte| {
-        let s = f64::from(byte) / 255.0;
-        if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
-    }))
+    Some([all >> 16, all >> 8 & 255, all & 255].map(|byte| linear(f64::from(byte) / 255.0)))
+}
+
+/// Linear light of a channel of sRGB, both 0 to 1.
+pub fn linear(s: f64) -> f64 {
+    if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
 }
 
 /// `#rrggbb` of linear RGB: the inverse of [`linear_from_hex`], rounded.

@@ -71,6 +71,7 @@ mod maps;
 mod mars_heat;
 mod mars_models;
 mod mars_shadows;
+mod meshes;
 mod messages;
 mod mosaics;
 mod motion;

@@ -267,7 +267,7 @@ fn read_all(
             for notes in [&mut file.report.notes, &mut file.material_doubts, &mut file.doubts] {
                 report.notes.append(notes);
             }
-            (Content::Mesh(file.surface.placed(&placing, file.up)), report)
+            (Content::Mesh(file.surface.placed(&placing, (file.up, file.unit_m))), report)
         }
         Holds::Simulation => {
             let (scene, flights, report, inputs) = dart::read(&path, options, watch)?;
@@ -581,6 +581,10 @@ impl Job<'_> {
     fn surface(self, surface: &ColouredMesh, to: &Format) -> Result<bool> {
         let Job { input, output, options, sources, .. } = self;
         let sources = || sources.iter().map(PathBuf::as_path);
+        if to.writes.is_empty() {
+            let problem = Problem::new(Location::file(output), format!("{} is read, and not written", to.name));
+            return Err(Error::Invalid(vec![problem.with_help("take a name that ends in .obj or .glb")]));
+        }
         if surface.sun.is_some() {
             self.report.note(Fate::Dropped, Location::file(input).with_item("sun"), "where the light is");
         }

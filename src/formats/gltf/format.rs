@@ -47,5 +47,5 @@ fn read(path: &Path, outside: bool) -> Result<MeshFile> {
     let (looks, doubts) = report.notes.into_iter().partition(is_of_looks);
     report.notes = looks;
     let (ignored, material_doubts) = Default::default();
-    Ok(MeshFile { surface, up: Up::Y, ignored, report, doubts, material_doubts, inputs })
+    Ok(MeshFile { surface, up: Up::Y, unit_m: 1.0, ignored, report, doubts, material_doubts, inputs })
 }

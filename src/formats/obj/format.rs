@@ -55,6 +55,7 @@ fn read(path: &Path, outside: bool) -> Result<MeshFile> {
     Ok(MeshFile {
         surface: ColouredMesh { mesh, materials: obj.materials, origin_m: None, sun: None },
         up: Up::Z,
+        unit_m: 1.0,
         ignored: obj.ignored,
         report,
         doubts: obj.doubts,

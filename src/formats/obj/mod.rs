@@ -41,6 +41,7 @@ use library::Libraries;
 use parser::Parser;
 
 pub use polygon::faces_lost;
+pub(super) use triangulate::triangulate;
 pub use write::write;
 pub(crate) use write::write_by;
 

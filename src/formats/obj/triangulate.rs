@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// Cuts a face of four or more corners into facets, by the rule of the [module](super) around this one.
-pub(super) fn triangulate(corners: &[u32], vertices: &[DVec3], facets: &mut Vec<[u32; 3]>) {
+pub(in crate::formats) fn triangulate(corners: &[u32], vertices: &[DVec3], facets: &mut Vec<[u32; 3]>) {
     let n = corners.len();
     let at = |i: usize| vertices[corners[i] as usize];
     // Newell: the sum over the edges, about the first corner so that far-off coordinates keep their digits.

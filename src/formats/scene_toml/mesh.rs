@@ -140,7 +140,7 @@ impl TomlReader<'_> {
             self.notes.push(format!("{item}: the file's own origin is {own_m}, m: that of this scene is taken"));
         }
         let placing = Placing { unit_m: toml.unit_m, up: toml.up, flip: toml.flip == Some(true), ..Placing::default() };
-        let surface = file.surface.placed(&placing, file.up);
+        let surface = file.surface.placed(&placing, (file.up, file.unit_m));
         Some((surface.mesh, surface.materials, file.material_doubts))
     }
 
