@@ -9,13 +9,15 @@ use mmxrt::formats::convert::{self, Content};
 use mmxrt::formats::dart::output;
 use mmxrt::formats::located::Document;
 use mmxrt::formats::manifest_json::{self, Manifest};
+use mmxrt::formats::mesh_file::{MeshFile, Up};
 use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
-    envi, ephemeris, exposures_csv, exr_cube, flight_doubts, gltf, npz, obj, pixel, product_folder, radiance_map,
+    envi, ephemeris, exposures_csv, exr_cube, flight_doubts, gltf, npz, pixel, product_folder, radiance_map,
     recipe_toml, registry, spice,
 };
+use mmxrt::geometry::Defects;
 use mmxrt::job::{self, CurveSheet, FlightFacts, PartFacts, SurfaceFacts, Survey};
 use mmxrt::physics::reflectance::Preset;
 use mmxrt::spectral::{Extend, SunTotal, solar_e490};
@@ -29,7 +31,7 @@ use super::surface::Written;
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("written").args(["csv", "picture"]).multiple(true)))]
 pub(crate) struct Arguments {
-    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), .obj, .mtl, .gltf, .glb, DART simulation, output or optical database, .sli, .txt, .oem or .aem, a kernel of SPICE; or `e490`, the built-in spectrum of the Sun, or the name of a surface: phobos_assumed, deimos_assumed, moon, mars, thesis
+    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), mesh (.obj, .ply, .stl, .tab, .icq, .bds), .mtl, .gltf, .glb, DART simulation, output or optical database, .sli, .txt, .oem or .aem, a kernel of SPICE; or `e490`, the built-in spectrum of the Sun, or the name of a surface: phobos_assumed, deimos_assumed, moon, mars, thesis
     file: PathBuf,
     /// Show the spectrum and planes of this pixel of a product folder, counted from 0
     #[arg(long, value_name = "SAMPLE,LINE", value_parser = pixel)]
@@ -243,8 +245,8 @@ fn inspect(path: &Path, format: Option<&Format>, console: &Console) -> Result<Fa
             Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0.materials))])
         }
         ("toml", _) => toml(path),
-        (_, Some("obj")) => mesh(path),
         (_, Some("gltf" | "glb")) => surface(path),
+        (_, Some(name)) if format.is_some_and(Format::is_mesh) => mesh(path, name),
         (_, Some("csv")) => spectrum(path, console),
         (_, Some(_)) => converted(path, console),
         _ if path.is_file() => {
@@ -298,18 +300,48 @@ fn kernel(path: &Path) -> Result<Facts> {
     Ok(facts)
 }
 
-fn mesh(path: &Path) -> Result<Facts> {
-    let mesh = obj::read(path)?;
-    let told = [&mesh.report.notes, &mesh.material_doubts, &mesh.doubts];
-    let size = mesh.size();
+fn mesh(path: &Path, kind: &str) -> Result<Facts> {
+    let MeshFile { surface, up, unit_m, ignored, report, doubts, material_doubts, .. } = registry::mesh(path, true)?;
+    let mesh = &surface.mesh;
+    let (low, high) = mesh.bounds_m().unwrap_or_default();
+    let size = high - low;
+    let defects = Defects::of(mesh);
+    let area: f64 = (0..mesh.facets.len()).map(|facet| mesh.facet(facet).area_m2()).sum();
+    // Of what has no edge to the outside. Facets that face inwards have a volume below 0.
+    let volume = mesh.enclosed_m3().filter(|_| defects.open_edges == 0);
     Ok(vec![
-        ("kind", json!("OBJ mesh")),
-        ("vertices", json!(mesh.vertices.len())),
+        ("kind", json!(format!("{} mesh", kind.to_uppercase()))),
+        ("vertices", json!(mesh.vertices_m.len())),
         ("facets", json!(mesh.facets.len())),
         ("size_in_its_unit", json!({ "x": size.x, "y": size.y, "z": size.z })),
-        ("materials", materials(&mesh.materials)),
-        ("passed_over", json!(mesh.ignored)),
-        ("told", told.into_iter().flatten().map(|note| json!(note.to_string())).collect()),
+        ("unit_m_of_its_format", json!(unit_m)),
+        ("up", json!(if up == Up::Z { "z" } else { "y" })),
+        ("area_in_its_unit", json!(area)),
+        ("volume_in_its_unit", json!(volume)),
+        ("parts", json!(defects.parts)),
+        (
+            "defects",
+            json!({
+                "open_edges": defects.open_edges,
+                "edges_of_more_than_two_facets": defects.crowded_edges,
+                "edges_where_facets_turn_over": defects.turned_edges,
+                "duplicate_facets": defects.duplicate_facets,
+                "facets_without_area": defects.flat_facets,
+                "slivers": defects.slivers,
+                "coincident_vertices": defects.coincident_vertices,
+                "unused_vertices": defects.unused_vertices,
+            }),
+        ),
+        ("materials", materials(&surface.materials)),
+        ("passed_over", json!(ignored)),
+        (
+            "told",
+            [&report.notes, &material_doubts, &doubts]
+                .into_iter()
+                .flatten()
+                .map(|note| json!(note.to_string()))
+                .collect(),
+        ),
     ])
 }
 

@@ -142,7 +142,10 @@ fn shapes_of_bodies_are_in_kilometres() {
     let wide = |km: f64| (km - 25_900.0).abs() < 300.0;
     assert!(wide(scene("")) && wide(scene("unit_m = 2000.0") / 2.0), "{}", scene(""));
     let (code, out, err) = run(&["inspect", data("ellipsoid.bds").to_str().unwrap()]);
-    assert!(code == 0 && out.contains("dsk") && out.contains("320"), "{out}{err}");
+    assert!(code == 0 && out.contains("DSK mesh") && out.contains("320") && out.contains("open_edges 0"), "{out}{err}");
+    let (code, out, err) = run(&["inspect", "--json", data("ellipsoid.bds").to_str().unwrap()]);
+    let facts: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{code} {err}"));
+    assert!((facts["volume_in_its_unit"].as_f64().unwrap() - 5_424.774_434_521_497).abs() < 1e-9);
 }
 
 /// A cube of 2 x 2 quadrilaterals on each face, whose faces share edges.
