@@ -88,16 +88,28 @@ fn rows(text: &str, path: &Path) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// A vertex of a row, with its number before it or without.
-fn vertex(row: &Row, path: &Path, problems: &mut Problems) -> DVec3 {
-    let p = match row.numbers[..] {
-        [x, y, z] | [_, x, y, z] => DVec3::new(x, y, z),
-        _ => DVec3::NAN,
-    };
-    if !p.is_finite() {
-        problems.push(|| Problem::new(Location::line(path, row.line), "must be a vertex: three finite coordinates"));
+/// The three numbers of a row of a list; before them its place in the list, from 1, if the list's rows have four numbers.
+fn three(row: &Row, is_numbered: bool, place: usize) -> Option<[f64; 3]> {
+    match (is_numbered, &row.numbers[..]) {
+        (false, [x, y, z]) => Some([*x, *y, *z]),
+        (true, [number, x, y, z]) if whole(*number) == Some(place) => Some([*x, *y, *z]),
+        _ => None,
     }
-    p
+}
+
+/// The vertices of rows, of which all have their numbers before them, or none.
+fn vertices_of(rows: &[Row], path: &Path, problems: &mut Problems) -> Vec<DVec3> {
+    let is_numbered = rows.first().is_some_and(|row| row.numbers.len() == 4);
+    let vertex = |(i, row): (usize, &Row)| {
+        let p = three(row, is_numbered, i + 1).map_or(DVec3::NAN, DVec3::from_array);
+        if !p.is_finite() {
+            let number = if is_numbered { format!("{}, and ", i + 1) } else { String::new() };
+            let message = format!("must be a vertex: {number}three finite coordinates");
+            problems.push(|| Problem::new(Location::line(path, row.line), message));
+        }
+        p
+    };
+    rows.iter().enumerate().map(vertex).collect()
 }
 
 /// What a reader of the mesh should know.
@@ -130,13 +142,12 @@ pub(crate) fn read_table(path: &Path) -> Result<MeshFile> {
         return Err(Error::invalid(Location::file(path), message));
     };
     let mut problems = Problems::default();
-    let points: Vec<DVec3> = rows[1..after].iter().map(|row| vertex(row, path, &mut problems)).collect();
+    let points = vertices_of(&rows[1..after], path, &mut problems);
     let mut facets = Vec::with_capacity(plates);
-    for row in &rows[begin..begin + plates] {
-        let corners = match row.numbers[..] {
-            [a, b, c] | [_, a, b, c] => [a, b, c].map(|n| whole(n).filter(|n| (1..=vertices).contains(n))),
-            _ => [None; 3],
-        };
+    let is_numbered = rows.get(begin).is_some_and(|row| row.numbers.len() == 4);
+    for (i, row) in rows[begin..begin + plates].iter().enumerate() {
+        let corners = three(row, is_numbered, i + 1)
+            .map_or([None; 3], |corners| corners.map(|n| whole(n).filter(|n| (1..=vertices).contains(n))));
         match corners {
             [Some(a), Some(b), Some(c)] => facets.push([a, b, c].map(|n| index_u32(n - 1))),
             _ => problems.push(|| {
@@ -180,7 +191,7 @@ pub(crate) fn read_quadrilaterals(path: &Path) -> Result<MeshFile> {
         return Err(Error::invalid(Location::file(path), message));
     }
     let (mut problems, mut welded) = (Problems::default(), Welded::default());
-    let points: Vec<DVec3> = rows[1..].iter().map(|row| vertex(row, path, &mut problems)).collect();
+    let points = vertices_of(&rows[1..], path, &mut problems);
     problems.finish(path)?;
     let numbers: Vec<u32> = points.iter().map(|point| welded.vertex(*point)).collect();
     let mut facets = Vec::with_capacity(12 * q * q);
