@@ -37,7 +37,7 @@ up = [0.0, 1.0, 0.0]
 preset = "mirs"
 samples = 48
 lines = 48
-exposure_s = 0.25 # Lambert's ground is bright: in a second it would saturate
+exposure_s = 0.6 # Lambert's ground is bright: in three seconds it would saturate
 bands = { start_um = 0.9, stop_um = 2.4, count = 31, fwhm_um = 0.02 }
 "#;
 

@@ -214,14 +214,14 @@ fn a_file_of_another_kind_is_named() {
     let bench = Bench::new();
     let folder = &bench.0;
     let recipe = "version = 1\nseed = 1\nsize_m = 10\nfacets = 100\n";
-    for (name, text) in [("recipe.toml", recipe), ("mesh.stl", "solid a\n")] {
+    for (name, text) in [("recipe.toml", recipe), ("mesh.fbx", "; FBX 7.4.0 project file\n")] {
         folder.write(name, text);
     }
     folder.write("mesh.glb", b"\x89PNG\r\n\x1a\n");
     folder.write("png.toml", SQUARE.replace("obj = \"square.obj\"", "file = \"mesh.glb\""));
     folder.write("csv.toml", SQUARE.replace("obj = \"square.obj\"", "file = \"facets.csv\""));
     folder.write("both.toml", SQUARE.replace("obj = ", "file = \"square.obj\"\nobj = "));
-    folder.write("stl.toml", SQUARE.replace("square.obj", "mesh.stl"));
+    folder.write("fbx.toml", SQUARE.replace("square.obj", "mesh.fbx"));
     folder.write("facets.csv", "facet,radiance_w_m2_sr_um at 0.55 um\n0,1.5\n1,2.5\n");
     folder.write("other.hdr", "no header of ENVI\n");
     folder.write("other.mtl", "");
@@ -244,7 +244,7 @@ fn a_file_of_another_kind_is_named() {
         (&["simulate", "png.toml", "-o", &out], "mesh.glb: is PNG, but a mesh is needed"),
         (&["simulate", "csv.toml", "-o", &out], "facets.csv: is csv, but a mesh is needed"),
         (&["simulate", "both.toml", "-o", &out], "give either `file` (or `obj`, which is the same) or `recipe`"),
-        (&["simulate", "stl.toml", "-o", &out], "is a mesh in a format that is not read"),
+        (&["simulate", "fbx.toml", "-o", &out], "is a mesh in a format that is not read"),
     ] {
         let (code, told) = all(arguments);
         assert!(code == 1 && told.contains(expected), "{arguments:?}: {told}");
