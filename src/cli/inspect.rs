@@ -14,8 +14,8 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
-    envi, ephemeris, exposures_csv, exr_cube, flight_doubts, gltf, npz, pixel, product_folder, radiance_map,
-    recipe_toml, registry, spice,
+    envi, ephemeris, exposures_csv, exr_cube, flight_doubts, npz, pixel, product_folder, radiance_map, recipe_toml,
+    registry, spice,
 };
 use mmxrt::geometry::Defects;
 use mmxrt::job::{self, CurveSheet, FlightFacts, PartFacts, SurfaceFacts, Survey};
@@ -245,7 +245,6 @@ fn inspect(path: &Path, format: Option<&Format>, console: &Console) -> Result<Fa
             Ok(vec![("kind", json!("MTL materials")), ("materials", materials(&mtl::read(path)?.0.materials))])
         }
         ("toml", _) => toml(path),
-        (_, Some("gltf" | "glb")) => surface(path),
         (_, Some(name)) if format.is_some_and(Format::is_mesh) => mesh(path, name),
         (_, Some("csv")) => spectrum(path, console),
         (_, Some(_)) => converted(path, console),
@@ -309,39 +308,33 @@ fn mesh(path: &Path, kind: &str) -> Result<Facts> {
     let area: f64 = (0..mesh.facets.len()).map(|facet| mesh.facet(facet).area_m2()).sum();
     // Of what has no edge to the outside. Facets that face inwards have a volume below 0.
     let volume = mesh.enclosed_m3().filter(|_| defects.open_edges == 0);
+    let told = [&report.notes, &material_doubts, &doubts];
+    let defects_told = json!({
+        "open_edges": defects.open_edges,
+        "edges_of_more_than_two_facets": defects.crowded_edges,
+        "edges_where_facets_turn_over": defects.turned_edges,
+        "duplicate_facets": defects.duplicate_facets,
+        "facets_without_area": defects.flat_facets,
+        "slivers": defects.slivers,
+        "coincident_vertices": defects.coincident_vertices,
+        "unused_vertices": defects.unused_vertices,
+    });
+    let kind = if ["gltf", "glb"].contains(&kind) { "glTF".to_owned() } else { kind.to_uppercase() };
     Ok(vec![
-        ("kind", json!(format!("{} mesh", kind.to_uppercase()))),
+        ("kind", json!(format!("{kind} mesh"))),
         ("vertices", json!(mesh.vertices_m.len())),
         ("facets", json!(mesh.facets.len())),
         ("size_in_its_unit", json!({ "x": size.x, "y": size.y, "z": size.z })),
         ("unit_m_of_its_format", json!(unit_m)),
         ("up", json!(if up == Up::Z { "z" } else { "y" })),
+        ("origin_m", json!(surface.origin_m.map(|origin| origin.to_array()))),
         ("area_in_its_unit", json!(area)),
         ("volume_in_its_unit", json!(volume)),
         ("parts", json!(defects.parts)),
-        (
-            "defects",
-            json!({
-                "open_edges": defects.open_edges,
-                "edges_of_more_than_two_facets": defects.crowded_edges,
-                "edges_where_facets_turn_over": defects.turned_edges,
-                "duplicate_facets": defects.duplicate_facets,
-                "facets_without_area": defects.flat_facets,
-                "slivers": defects.slivers,
-                "coincident_vertices": defects.coincident_vertices,
-                "unused_vertices": defects.unused_vertices,
-            }),
-        ),
+        ("defects", defects_told),
         ("materials", materials(&surface.materials)),
         ("passed_over", json!(ignored)),
-        (
-            "told",
-            [&report.notes, &material_doubts, &doubts]
-                .into_iter()
-                .flatten()
-                .map(|note| json!(note.to_string()))
-                .collect(),
-        ),
+        ("told", told.into_iter().flatten().map(|note| json!(note.to_string())).collect()),
     ])
 }
 
@@ -447,21 +440,6 @@ fn exposures(path: &Path) -> Result<Facts> {
     ]);
     facts.retain(|(_, value)| !value.is_null());
     Ok(facts)
-}
-
-fn surface(path: &Path) -> Result<Facts> {
-    let (surface, report, _) = gltf::read(path, true)?;
-    let (low_m, high_m) = surface.mesh.bounds_m().unwrap_or_default();
-    let size_m = high_m - low_m;
-    Ok(vec![
-        ("kind", json!("glTF mesh")),
-        ("vertices", json!(surface.mesh.vertices_m.len())),
-        ("facets", json!(surface.mesh.facets.len())),
-        ("size_m", json!({ "x": size_m.x, "y": size_m.y, "z": size_m.z })),
-        ("origin_m", json!(surface.origin_m.map(|origin| origin.to_array()))),
-        ("materials", materials(&surface.materials)),
-        ("passed_over", report.notes.iter().map(|note| json!(note.to_string())).collect()),
-    ])
 }
 
 /// Whether a file is a scene: other TOML files are maps, or recipes, which have a seed.

@@ -94,12 +94,6 @@ impl ObjFile {
             ..Mesh::default()
         }
     }
-
-    /// Size along its axes, in its own unit.
-    pub fn size(&self) -> DVec3 {
-        let corners = || self.vertices.iter().copied();
-        corners().fold(DVec3::NEG_INFINITY, DVec3::max) - corners().fold(DVec3::INFINITY, DVec3::min)
-    }
 }
 
 /// Reads an OBJ file and the material files it names, which lie beside it.
