@@ -59,6 +59,10 @@ pub fn instrument(
             Quantity::Radiance.unit()
         ));
     }
+    if detector.is_some() && raster.bands.iter().any(|band| band.fwhm_um.is_some()) {
+        let message = "bands of a cube have widths and no shapes: electrons are those of Gaussian responses, 1.064 times those of boxes as wide";
+        remarks.push(message.to_owned());
+    }
     let is_radiance = raster.unit.as_deref().is_none_or(|unit| unit == Quantity::Radiance.unit());
     let centres: Option<Vec<Band>> = raster
         .bands
