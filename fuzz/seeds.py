@@ -191,6 +191,9 @@ def spectra(convert):
 
 
 def obj():
+    # Pieces of fuzz_targets/rasters.rs: what replaces which file, by its number there.
+    for i, path in enumerate(sorted((DATA / "rasters").glob("*"))):
+        add("rasters", path.name, bytes([i]) + path.read_bytes())
     plate, materials = ((FUZZ / "scene" / f"plate.{e}").read_bytes() for e in ["obj", "mtl"])
     add("obj", "plate", plate + b"\0" + materials)
     for path in DATA.glob("dart/**/*.obj"):

@@ -31,7 +31,7 @@ use super::surface::Written;
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("written").args(["csv", "picture"]).multiple(true)))]
 pub(crate) struct Arguments {
-    /// A product folder, image (ENVI, ILWIS, OpenEXR, NumPy, PNG, CSV), .npz, .json report, scene, recipe, spectrum (.csv), mesh (.obj, .ply, .stl, .tab, .icq, .bds), .mtl, .gltf, .glb, DART simulation, output or optical database, .sli, .txt, .oem or .aem, a kernel of SPICE; or `e490`, the built-in spectrum of the Sun, or the name of a surface: phobos_assumed, deimos_assumed, moon, mars, thesis
+    /// A product folder, image or elevation model (ENVI, ILWIS, OpenEXR, NumPy, PNG, JPEG, PGM, TIFF, PDS3, PDS4, ISIS, ESRI ASCII grid, CSV), .npz, .json report, scene, recipe, spectrum (.csv), mesh (.obj, .ply, .stl, .tab, .icq, .bds), .mtl, .gltf, .glb, DART simulation, output or optical database, .sli, .txt, .oem or .aem, a kernel of SPICE; or `e490`, the built-in spectrum of the Sun, or the name of a surface: phobos_assumed, deimos_assumed, moon, mars, thesis
     file: PathBuf,
     /// Show the spectrum and planes of this pixel of a product folder, counted from 0
     #[arg(long, value_name = "SAMPLE,LINE", value_parser = pixel)]
@@ -717,6 +717,7 @@ fn image(path: &Path, format: &Format, arguments: &Arguments, console: &Console)
         ("data_type", json!(raster.data_type.name())),
         ("data_units", json!(raster.unit)),
         ("no_data_value", json!(raster.ignore)),
+        ("spacing_m", json!(raster.spacing_m())),
         ("notes", raster.report.notes.iter().map(|note| json!(note.to_string())).collect()),
         ("statistics", statistics.collect()),
     ]);

@@ -217,6 +217,14 @@ impl MapExtent {
         let (x, y) = (rows as f64 * pixel_m[0], columns as f64 * pixel_m[1]);
         MapExtent { bounds: [0.0, -y, x, 0.0], corners_m: [[0.0, 0.0], [0.0, y], [x, 0.0], [x, y]] }
     }
+
+    /// Size of a pixel of so many rows and columns, m: along a row, and from row to row.
+    pub fn pixel_m(&self, rows: usize, columns: usize) -> Option<[f64; 2]> {
+        let [first, along, across, _] = self.corners_m;
+        let side = |to: [f64; 2], count: usize| (to[0] - first[0]).hypot(to[1] - first[1]) / count as f64;
+        let size = [side(along, columns), side(across, rows)];
+        size.iter().all(|m| *m > 0.0 && m.is_finite()).then_some(size)
+    }
 }
 
 /// Head of a table of ILWIS, and of its records: x, y, row, column, and whether it counts.

@@ -10,9 +10,12 @@ pub(super) const ZIP: &[u8] = b"PK";
 pub(super) const SQLITE: &[u8] = b"SQLite format 3\0";
 pub(super) const GLB: &[u8] = b"glTF";
 
+/// How names of images end that are read and begin in one of several ways.
+pub(super) const ENDINGS: [&str; 6] = ["tif", "tiff", "pgm", "ppm", "pnm", "cub"];
+
 /// What a file is that begins so, whether it is read or not.
 pub(super) fn named(beginning: &[u8]) -> Option<&'static str> {
-    let begins: [(&[u8], &str); 11] = [
+    let begins: [(&[u8], &str); 19] = [
         (PNG, "PNG"),
         (JPEG, "JPEG"),
         (OPEN_EXR, "OpenEXR"),
@@ -21,6 +24,14 @@ pub(super) fn named(beginning: &[u8]) -> Option<&'static str> {
         (b"\x1f\x8b", "compressed by gzip"),
         (b"%PDF", "PDF"),
         (SQLITE, "an SQLite database"),
+        (b"II*\0", "TIFF"),
+        (b"MM\0*", "TIFF"),
+        (b"II+\0", "TIFF"),
+        (b"MM\0+", "TIFF"),
+        (b"P2\n", "PGM"),
+        (b"P5\n", "PGM"),
+        (b"P3\n", "PPM"),
+        (b"P6\n", "PPM"),
         (GLB, "glTF"),
         (&[0xff, 0xfe], "text in UTF-16"),
         (&[0xfe, 0xff], "text in UTF-16"),

@@ -36,6 +36,11 @@ pub static ALL: &[&Format] = &[
     &raster::npy::NPZ,
     &raster::picture::PNG,
     &raster::jpeg::JPEG,
+    &raster::pnm::PNM,
+    &raster::tiff::TIFF,
+    &raster::esri::ESRI,
+    &raster::pds3::PDS3,
+    &raster::isis::ISIS,
     &database::DATABASE,
     &ccsds::OEM,
     &ccsds::AEM,
@@ -45,6 +50,8 @@ pub static ALL: &[&Format] = &[
     &sli::SLI,
     &spectrum_csv::CSV,
     &raster::text::GRID,
+    // Behind what else is called .xml.
+    &raster::pds4::PDS4,
 ];
 
 /// This much of a file is read to recognise its format, bytes.
@@ -113,6 +120,11 @@ pub fn of_spectra(path: &Path) -> Option<&'static Format> {
 /// | OpenEXR | channels of all parts, on the display window; a name that ends in a wavelength (`S0.0950,000000nm`, `1000nm`, `0.95um`) says it |
 /// | PNG, JPEG | grey or red, green, blue, 0 to 1 as stored; NaN where transparent |
 /// | CSV | numbers alone, a line for each row; `nan`, or nothing between two commas, means no data |
+/// | PGM, PPM | the same, 8 or 16 bits, as text or not |
+/// | TIFF, GeoTIFF | integers and real numbers as stored; `GDAL_NODATA`, scale, offset and names of GDAL, where it lies |
+/// | ESRI ASCII grid (`.asc`) | `NODATA_value`, cell size |
+/// | PDS3, PDS4 | IMAGE; the first array of two or three axes; scaling and constants for no data; where a map lies |
+/// | ISIS cube | bands or tiles, base and multiplier; special pixels are NaN; where a map lies |
 /// | NumPy (`.npy`, `.npz` with one array of numbers or one named `raster`) | \[row, column\] or \[row, column, band\]; of one axis: one row |
 ///
 /// # Errors
@@ -208,7 +220,8 @@ pub(super) fn called(path: &Path, of: impl Fn(&Format) -> bool) -> Option<&'stat
 
 /// Whether names of images end so that begin with a mark, read or not.
 fn has_mark(ending: &str) -> bool {
-    foreign::ENDINGS.contains(&ending) || endings(|f| f.is_image() && !f.mark.is_empty()).contains(&ending)
+    let is_marked = |ending| foreign::ENDINGS.contains(&ending) || marks::ENDINGS.contains(&ending);
+    is_marked(ending) || endings(|f| f.is_image() && !f.mark.is_empty()).contains(&ending)
 }
 
 /// Whether a file holds numbers alone, so that how it begins tells nothing: 2815 in the first pixel is the mark of JPEG XL. They are

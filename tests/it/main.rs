@@ -41,6 +41,7 @@ mod disk;
 mod distortion;
 mod dry_run;
 mod eclipse;
+mod elevation_files;
 mod envi_headers;
 mod exact;
 mod exchange;

@@ -152,7 +152,7 @@ fn images_that_are_damaged_or_called_by_another_name_are_told_as_what_they_are()
         ("c.jpg", b"\xff\xd8\xff\xe0\0\x10JFIF", "JPEG: it is cut short"),
         ("d.png", b"\x89PNG\r\n", "not a complete PNG"),
         ("e.tif", b"II", "as no whole .tif file does"),
-        ("f.tif", b"II*\0\x08\0\0\0", "TIFF"),
+        ("f.tif", b"II*\0\x08\0\0\0", "not a complete TIFF"),
         ("g.webp", b"RIFF\x10\0\0\0WEBPVP8 ", "WebP"),
         ("h.gif", b"GIF89a\x01\0", "GIF"),
         ("h.png", b"GIF89a\x01\0", "GIF"),

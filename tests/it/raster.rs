@@ -513,7 +513,8 @@ fn text_is_read_with_any_separator_and_told_where_it_is_none() {
 fn what_is_no_raster_is_refused_with_what_to_do() {
     let folder = Scratch::new();
     for (name, bytes, message) in [
-        ("a.tif", &b"II*\0rest"[..], "TIFF (GeoTIFF) (`gdal_translate -of ENVI a.tif a_envi.img`"),
+        ("a.tif", &b"II*\0rest"[..], "not a complete TIFF: it is cut short"),
+        ("a.jp2", b"\0\0\0\x0cjP  rest", "JPEG 2000 (`gdal_translate -of ENVI a.jp2 a_envi.img`"),
         ("a.nc", b"\x89HDF\r\n\x1a\n", "HDF5 (NetCDF-4)"),
         ("a.bin", b"1234", "its header is not beside it"),
         ("a.hdr", b"ENVI\nsamples = 1\n", "its data file is not beside it"),

@@ -82,6 +82,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     }
     let bands = names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect();
     let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, BandReader::Held(values));
+    raster.full_scale = Some(255.0);
     raster.report.note(Fate::Defaulted, at(), "values: shares of the largest number, as stored");
     if orientation != 1 {
         let message = format!(

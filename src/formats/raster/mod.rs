@@ -4,16 +4,27 @@
 //! bands, as many are read in one pass as fit in 256 MiB; no more of a file is in memory, except for those compressed as a whole:
 //! OpenEXR (see `exr.rs`).
 
+mod blocks;
 mod compare;
+pub(super) mod esri;
 pub(super) mod exr;
+mod geo_keys;
 pub(super) mod headers;
+pub(super) mod isis;
 pub(super) mod jpeg;
 mod layers;
 mod names;
 pub(super) mod npy;
+pub(super) mod pds3;
+pub(super) mod pds4;
 pub(super) mod picture;
 mod place;
+pub(super) mod pnm;
+mod pvl;
+mod special;
 pub(super) mod text;
+pub(super) mod tiff;
+mod tiff_packing;
 mod write;
 
 use std::io::Cursor;
@@ -36,8 +47,11 @@ use super::input::InputFile;
 pub use super::number::DataType;
 use super::quicklook;
 
+use self::blocks::Blocks;
 use self::exr::Numbers;
 use self::layers::{Chosen, Layer};
+use self::special::Special;
+use self::tiff::Chunks;
 use super::flat::{AxisOrder, Flat};
 
 /// Bands that one pass through a file gives are kept up to this size, or one band if that is larger.
@@ -64,6 +78,8 @@ pub struct Raster {
     pub unit: Option<String>,
     /// The number that stands for "nothing here", as it is stored; NaN stands for it besides.
     pub ignore: Option<f64>,
+    /// What the numbers of a picture were divided by, so that values are 0 to 1: times this they are what is stored.
+    pub full_scale: Option<f64>,
     /// The least type that holds all values.
     pub data_type: DataType,
     /// What the file does not say and was taken for granted, and what of it is not taken.
@@ -80,8 +96,14 @@ pub struct Raster {
     coverage: Option<Vec<f64>>,
     /// What else means "nothing here".
     no_data: Option<f64>,
-    /// Where it lies, as an ENVI header says it.
+    /// What else does, of planetary files: as it is stored.
+    special: Special,
+    /// Where it lies, as it says itself.
     georeference: Option<Georeference>,
+    /// Size of a pixel on the ground, m, where the file says no more than that.
+    spacing_m: Option<[f64; 2]>,
+    /// Whether the file's first line is at the bottom, and the first pixel of a line on the right.
+    mirrored: [bool; 2],
     /// Where an ILWIS map lies.
     place: Option<ilwis::MapExtent>,
     /// What else an ENVI header says: key and text.
@@ -110,6 +132,8 @@ enum BandReader {
     /// The same, of a file that was compressed.
     Unpacked(Flat, Arc<[u8]>),
     Exr(exr::Channels),
+    Blocks(Blocks),
+    Tiff(Chunks),
     /// So many colours, and perhaps coverage behind them.
     Png {
         colours: usize,
@@ -167,10 +191,14 @@ impl Raster {
             no_data: None,
             unit: None,
             ignore: None,
+            full_scale: None,
             data_type,
             report: Report::default(),
             scale: Vec::new(),
+            special: Special::default(),
             georeference: None,
+            spacing_m: None,
+            mirrored: [false; 2],
             place: None,
             extra: Vec::new(),
             files: vec![path.to_owned()],
@@ -211,6 +239,13 @@ impl Raster {
         Ok(())
     }
 
+    /// Size of a pixel on the ground, m, as the file says it: from a pixel to the next in its line, and from a line to the next. None where it says
+    /// nothing, or angles.
+    pub fn spacing_m(&self) -> Option<[f64; 2]> {
+        let of_map = || self.place.as_ref().and_then(|place| place.pixel_m(self.rows, self.columns));
+        self.spacing_m.or_else(|| self.georeference.as_ref()?.spacing_m()).or_else(of_map)
+    }
+
     /// Where it lies in a plane, as it says itself.
     pub(crate) fn georeference(&self) -> Option<&Georeference> {
         self.georeference.as_ref()
@@ -224,7 +259,8 @@ impl Raster {
 
     /// The sentence that tells that a header made fractions of the numbers which `percent` divides by 100 once more; `None` if it did not.
     pub(crate) fn percent_of_fractions(&self) -> Option<String> {
-        let divisor = self.scale.first().map(|scale| scale.divisor).filter(|divisor| *divisor != 1.0)?;
+        let of_header = self.scale.first().filter(|_| self.full_scale.is_none());
+        let divisor = of_header.map(|scale| scale.divisor).filter(|divisor| *divisor != 1.0)?;
         Some(format!(
             "the header's `reflectance scale factor = {}` makes fractions of the numbers, which the unit % divides by 100 once more",
             number(divisor)
@@ -278,6 +314,7 @@ impl Raster {
         if ignored.iter().any(Option::is_some) {
             values.iter_mut().filter(|v| ignored.contains(&Some(**v))).for_each(|v| *v = f64::NAN);
         }
+        self.special.remove(values);
         if let Some(scale) = self.scale.get(band).copied() {
             values.iter_mut().for_each(|v| *v = scale.value(*v));
             if let Some(no_data) = self.no_data {
@@ -291,6 +328,14 @@ impl Raster {
             let divided = |value: f64, share: f64| if share > 0.0 { value / share } else { f64::NAN };
             values.iter_mut().zip(coverage).for_each(|(value, share)| *value = divided(*value, *share));
         }
+        if self.mirrored[1] {
+            values.chunks_exact_mut(self.columns).for_each(<[f64]>::reverse);
+        }
+        if self.mirrored[0] {
+            let (above, below) = values.split_at_mut(self.rows / 2 * self.columns);
+            let of_below = below.rchunks_exact_mut(self.columns);
+            above.chunks_exact_mut(self.columns).zip(of_below).for_each(|(a, b)| a.swap_with_slice(b));
+        }
         Ok(())
     }
 
@@ -300,8 +345,13 @@ impl Raster {
         let together = match &self.reader {
             BandReader::Flat(flat) | BandReader::Unpacked(flat, _) if !flat.is_banded() => PASS_BYTES / (8 * pixels),
             BandReader::Png { .. } => PASS_BYTES / (8 * pixels),
+            BandReader::Tiff(chunks) if !chunks.is_banded() => PASS_BYTES / (8 * pixels),
             BandReader::Exr(channels) => channels.together(pixels).max(2),
-            BandReader::Flat(_) | BandReader::Unpacked(..) | BandReader::Held(_) => 1,
+            BandReader::Flat(_)
+            | BandReader::Unpacked(..)
+            | BandReader::Held(_)
+            | BandReader::Blocks(_)
+            | BandReader::Tiff(_) => 1,
         };
         if together < 2 {
             resize(values, pixels, &self.path)?;
@@ -313,7 +363,8 @@ impl Raster {
                 BandReader::Flat(flat) | BandReader::Unpacked(flat, _) => flat.bands,
                 BandReader::Exr(channels) => channels.count(),
                 BandReader::Png { colours, .. } => *colours,
-                BandReader::Held(_) => self.in_file.len(),
+                BandReader::Tiff(chunks) => chunks.together(),
+                BandReader::Held(_) | BandReader::Blocks(_) => self.in_file.len(),
             };
             let bands = first..all.min(first + together);
             let before = std::mem::take(&mut self.pass).numbers;
@@ -346,6 +397,8 @@ impl Raster {
             BandReader::Exr(channels) => {
                 exr::read(&self.path, (self.rows, self.columns), channels, bands)?.copy_to(0, values)
             }
+            BandReader::Blocks(blocks) => blocks.read(&self.path, bands, values)?,
+            BandReader::Tiff(chunks) => chunks.read(&self.path, bands, values)?,
             BandReader::Png { .. } => picture::read(&self.path, bands, values)?,
             BandReader::Held(held) => {
                 values.copy_from_slice(&held[bands.start * self.pixels()..bands.end * self.pixels()])
@@ -360,6 +413,8 @@ impl Raster {
             BandReader::Flat(flat) | BandReader::Unpacked(flat, _) if flat.data_type == DataType::F32 => {
                 f64::from(single(number))
             }
+            BandReader::Blocks(blocks) if blocks.flat.data_type == DataType::F32 => f64::from(single(number)),
+            BandReader::Tiff(chunks) if chunks.are_f32() => f64::from(single(number)),
             BandReader::Exr(channels) => channels.as_stored(band, number),
             _ => number,
         }
@@ -426,6 +481,17 @@ fn check_size(at: Location, rows: usize, columns: usize, bands: usize) -> Result
         return Ok(());
     };
     Err(Error::invalid(at, message))
+}
+
+/// Refuses a file that ends before its numbers do.
+fn check_end(path: &Path, end: Option<u64>, said_by: &Path) -> Result<()> {
+    let there = std::fs::metadata(path).map_err(|e| Error::io(path, "reading", e))?.len();
+    if end.is_some_and(|end| end <= there) {
+        return Ok(());
+    }
+    let message = format!("has {there} bytes, and its numbers do not end before that, says {}", said_by.display());
+    let help = "it is cut short, or the label is another file's";
+    Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
 }
 
 /// Refuses a file that is shorter than its header says; for a longer one, returns what to report.

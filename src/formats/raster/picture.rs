@@ -45,6 +45,8 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     let has_alpha = matches!(colour, ColorType::GrayscaleAlpha | ColorType::Rgba);
     let colours = names.len();
     let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, BandReader::Png { colours, has_alpha });
+    // Fewer bits are spread over eight by then.
+    raster.full_scale = Some(if reader.output_color_type().1 == BitDepth::Sixteen { 65535.0 } else { 255.0 });
     let message = "values: shares of the largest number, as stored";
     raster.report.note(Fate::Defaulted, Location::file(path), message);
     Ok(raster)

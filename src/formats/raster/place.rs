@@ -1,5 +1,6 @@
 //! Where a raster lies, as its header says it.
 
+use crate::error::number;
 use crate::formats::envi::Header;
 
 /// A raster on a plane, in coordinates to the East and the North.
@@ -18,7 +19,24 @@ pub(crate) enum Georeference {
     Other(String),
 }
 
+/// Pixels whose sides are angles, deg: what that is on the ground the file does not say.
+pub(super) fn in_degrees([width, height]: [f64; 2]) -> Georeference {
+    Georeference::Other(format!(
+        "pixels of {} x {} deg, not of metres: give `plane` instead, or project the image first (`gdalwarp -t_srs` with metres about the site)",
+        number(width),
+        number(height)
+    ))
+}
+
 impl Georeference {
+    /// Size of a pixel on the ground, m: along a line, and from line to line.
+    pub(super) fn spacing_m(&self) -> Option<[f64; 2]> {
+        match self {
+            Georeference::Plane { along_line_m, line_to_line_m, .. } => Some([*along_line_m, *line_to_line_m]),
+            Georeference::Other(_) => None,
+        }
+    }
+
     /// Of `map info = {projection, x, y, easting, northing, pixel width, pixel height, .., units=.., rotation=..}`: pixel coordinates are 1 at
     /// the outer corner of the first pixel.
     pub(super) fn of_envi(header: &Header) -> Option<Self> {
