@@ -67,6 +67,9 @@ pub(crate) struct Arguments {
     /// Direction of the Sun in DART's frame, deg, for simulations that give only a date
     #[arg(long, value_name = "ZENITH,AZIMUTH", value_parser = numbers::<2>, allow_hyphen_values = true)]
     sun_deg: Option<Numbers<2>>,
+    /// Blender's program, which reads .blend files; by default `blender` on the path
+    #[arg(long, value_name = "PATH")]
+    blender: Option<PathBuf>,
     /// Write nothing if anything is dropped or approximated: exit code 3
     #[arg(long)]
     strict: bool,
@@ -177,6 +180,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         pose: arguments.pose,
         flip: arguments.flip,
         repeat: arguments.repeat,
+        blender: arguments.blender.clone(),
+        scratch: Some(std::env::temp_dir()),
         sun_deg: arguments.sun_deg.map(|numbers| numbers.0),
         allow_outside: arguments.allow_outside,
         replace: arguments.force,

@@ -66,7 +66,7 @@ pub(super) fn refused(path: &Path, beginning: &[u8]) -> Option<Error> {
 }
 
 /// How names of meshes end that are not read.
-pub(super) const MESHES: [&str; 3] = ["fbx", "blend", "dae"];
+pub(super) const MESHES: [&str; 2] = ["fbx", "dae"];
 /// How names of images end that begin with a mark and are not read.
 pub(super) const ENDINGS: [&str; 10] = ["gif", "bmp", "webp", "jp2", "hdf", "h5", "nc", "fits", "fit", "heic"];
 

@@ -36,6 +36,8 @@ pub struct Format {
 pub(super) enum Holds {
     /// A scene.
     Scene,
+    /// A scene of Blender, which exports it.
+    Blend,
     /// A simulation of DART.
     Simulation,
     /// A mesh.

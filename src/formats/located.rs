@@ -48,7 +48,8 @@ fn other_kind(path: &Path) -> Option<(&'static str, String)> {
     Some(match ending.as_str() {
         "obj" => ("a mesh (OBJ)", scene_of()),
         "gltf" | "glb" => ("a mesh (glTF)", scene_of()),
-        "stl" | "ply" | "fbx" | "blend" => ("a mesh in a format that is not read", "save it as OBJ or glTF".into()),
+        "blend" => ("a scene of Blender", scene_of()),
+        "stl" | "ply" | "fbx" => ("a mesh in a format that is not read", "save it as OBJ or glTF".into()),
         "img" | "hdr" | "exr" | "npy" | "npz" | "png" | "jpg" | "jpeg" | "csv" => {
             ("a table or an image", format!("`mmxrt inspect {}` says what it holds", path.display()))
         }

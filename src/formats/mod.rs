@@ -1,5 +1,6 @@
 //! Files: one format, one module. Only here and in the command line is the disk touched.
 
+mod blend;
 pub mod campaign_folder;
 pub mod campaign_toml;
 pub mod ccsds;
@@ -27,6 +28,7 @@ mod format;
 pub mod gltf;
 pub mod ilwis;
 mod input;
+mod instances_csv;
 pub mod instrument_toml;
 pub mod isd_json;
 mod key_units;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::blend::BLEND;
 use super::dart::format::SIMULATION;
 use super::dart::{database, text_spectra};
 use super::flight_table;
@@ -20,6 +21,7 @@ use crate::error::{Error, Location, Problem, Result};
 /// All formats, in the order in which they are listed and tried on a file.
 pub static ALL: &[&Format] = &[
     &SCENE,
+    &BLEND,
     &OBJ,
     &TEXT,
     &BINARY,

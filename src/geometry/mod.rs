@@ -4,6 +4,7 @@ pub mod cell;
 pub mod coplanar;
 mod camera;
 mod cluster;
+mod copies;
 mod defects;
 mod direction;
 mod groups;
@@ -21,6 +22,7 @@ mod sphere_image;
 mod vectors;
 
 pub use camera::{Camera, Drawn, Eye, FrameCamera, ParallelCamera, Projection};
+pub use copies::Copies;
 pub use defects::Defects;
 pub use direction::{Direction, angle_rad, turn_rad};
 pub(crate) use groups::{GroupSizes, Groups};

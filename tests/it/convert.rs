@@ -290,10 +290,10 @@ fn differences_are_those_of_meaning() {
 fn formats_are_told_and_listed() {
     let scratch = prepared(SCENE);
     let (code, out, _) = run(&["convert", "--list"]);
-    assert_eq!((code, out.lines().count()), (0, 32), "{out}");
+    assert_eq!((code, out.lines().count()), (0, 33), "{out}");
     let (_, out, _) = run(&["convert", "--list", "--json"]);
     let json: Value = serde_json::from_str(&out).unwrap();
-    assert_eq!(json["formats"][3]["name"], "glb");
+    assert_eq!(json["formats"][4]["name"], "glb");
     // A GLB under another name is one all the same.
     let argument = |name: &str| scratch.argument(name);
     assert_eq!(run(&["convert", &argument("ground.obj"), &argument("a.glb")]).0, 0);

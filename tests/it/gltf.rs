@@ -7,7 +7,7 @@ use mmxrt::formats::gltf::{encode, read};
 use mmxrt::formats::mesh_file::ColouredMesh;
 use mmxrt::formats::mtl::ObjMaterial;
 use mmxrt::formats::registry;
-use mmxrt::geometry::{MaterialId, Mesh};
+use mmxrt::geometry::{MaterialId, Mesh, NO_UV};
 use mmxrt::report::{Fate, Report};
 use serde_json::{Value, json};
 
@@ -449,12 +449,84 @@ fn what_blender_exports_is_where_blender_has_it() {
 fn attributes_that_have_no_place_are_told() {
     let folder = Folder::new();
     let (mut json, binary) = quad();
-    json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(0);
+    json["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = json!(0);
     json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(0);
     json["meshes"][0]["extras"] = json!({ "density": 3.5 });
     let (_, report) = folder.read(&json, &binary).unwrap();
     let told: Vec<String> = report.notes.iter().map(|n| n.message.clone()).collect();
-    assert_eq!(told, ["custom properties: density", "TEXCOORD_0", "smooth shading: facets are flat"]);
+    assert_eq!(told, ["custom properties: density", "TANGENT", "smooth shading: facets are flat"]);
+}
+
+#[test]
+fn texture_coordinates_are_those_of_the_colours_image() {
+    let folder = Folder::new();
+    let (mut json, mut binary) = quad();
+    // Two sets, of which the second is what the image goes by, as bytes of which 255 is 1; a node that mirrors turns facets.
+    binary.extend(f32s(&[0.0; 8]));
+    binary.extend([0, 0, 255, 0, 255, 255, 0, 255]);
+    json["bufferViews"].as_array_mut().unwrap().extend([
+        json!({ "buffer": 0, "byteOffset": 60, "byteLength": 32 }),
+        json!({ "buffer": 0, "byteOffset": 92, "byteLength": 8 }),
+    ]);
+    json["buffers"][0]["byteLength"] = json!(100);
+    json["accessors"].as_array_mut().unwrap().extend([
+        json!({ "bufferView": 2, "componentType": 5126, "type": "VEC2", "count": 4 }),
+        json!({ "bufferView": 3, "componentType": 5121, "normalized": true, "type": "VEC2", "count": 4 }),
+    ]);
+    let attributes = json!({ "POSITION": 0, "TEXCOORD_0": 2, "TEXCOORD_1": 3 });
+    json["meshes"][0]["primitives"][0]["attributes"] = attributes;
+    json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": 0, "texCoord": 1 });
+    json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 1 }, { "mesh": 0, "scale": [-1, 1, 1] }]);
+    json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    let plain = json!({ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] });
+    json["meshes"].as_array_mut().unwrap().push(plain);
+    let (surface, _) = folder.read(&json, &binary).unwrap();
+    // v is up here, and down there.
+    let first = [[[0.0, 1.0], [1.0, 1.0], [1.0, 0.0]], [[0.0, 1.0], [1.0, 0.0], [0.0, 0.0]]];
+    let uv = &surface.mesh.uv;
+    assert_eq!((uv.len(), &uv[..2]), (6, &first[..]));
+    assert!(uv[2..4].iter().flatten().flatten().all(|x| x.is_nan()));
+    assert_eq!(uv[4..], first.map(|[a, b, c]| [a, c, b]));
+    for (name, value, message) in
+        [("count", json!(3), "3 texture coordinates for 4 positions"), ("type", json!("VEC3"), "accessors[3]")]
+    {
+        let mut wrong = json.clone();
+        wrong["accessors"][3][name] = value;
+        let told = folder.read(&wrong, &binary).unwrap_err().to_string();
+        assert!(told.contains(message), "{told}");
+    }
+}
+
+#[test]
+fn texture_coordinates_come_back() {
+    let folder = Folder::new();
+    // Two facets that share an edge, whose corners have other coordinates in each; a third has none.
+    let mut surface = surface();
+    let facets = surface.mesh.facets.len();
+    surface.mesh.uv = vec![NO_UV; facets];
+    surface.mesh.uv[0] = [[0.25, 0.5], [1.0, 0.0], [-0.125, 2.0]];
+    surface.mesh.uv[1] = [[0.75, 0.5], [0.0, 0.0], [0.5, 0.5]];
+    let path = folder.put("uv.glb", &encode(&surface).unwrap().glb());
+    let (back, _, _) = read(&path, false).unwrap();
+    let of = |surface: &ColouredMesh| {
+        let mesh = &surface.mesh;
+        let named = |f: usize| surface.materials[usize::from(mesh.material[f].0)].name.clone();
+        let key =
+            |f: usize| (named(f), mesh.facet(f).corners_m.map(|p| p.to_array().map(|x| (x * 1e6).round() as i64)));
+        let known = mesh.uv.iter().map(|uv| uv.map(|uv| uv.map(|x| if x.is_finite() { x.to_bits() } else { 0 })));
+        let mut all: Vec<_> = known.enumerate().map(|(f, uv)| (key(f), uv)).collect();
+        all.sort();
+        all
+    };
+    let mut expected = of(&surface);
+    // What has none where others of its material have comes back as a corner of the image: v 1 here, 0 there. Of the third material none has.
+    for ((material, _), uv) in &mut expected {
+        if material != "#b03020" && uv.iter().flatten().all(|bits| *bits == 0) {
+            *uv = [[0.0_f64.to_bits(), 1.0_f64.to_bits()]; 3];
+        }
+    }
+    assert_eq!(of(&back), expected);
+    assert!(back.mesh.vertices_m.len() > surface.mesh.vertices_m.len());
 }
 
 #[test]

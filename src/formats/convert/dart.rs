@@ -9,6 +9,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::formats::dart::{self, Finding, Severity, SimulationOptions, Step, TableSummary, database::Database};
 use crate::formats::dart::{SceneOptions, TargetVersion};
 use crate::formats::input::InputFile;
+use crate::geometry::Copies;
 use crate::physics::reflectance::ALL_LIGHT;
 use crate::progress::{Watch, unwatched};
 use crate::report::{Fate, Report};
@@ -62,6 +63,7 @@ pub(super) fn package(
     scene: &Scene,
     flight: Option<(&Motion, &Timing)>,
     options: &Options,
+    copies: &[Copies],
     report: &mut Report,
 ) -> Result<dart::Package> {
     let target = match options.dart_version.as_deref() {
@@ -72,7 +74,8 @@ pub(super) fn package(
             return Err(Error::Unsupported { at: Location::item("dart_version"), feature });
         }
     };
-    let options = SimulationOptions { target, cell_m: options.cell_m, ..SimulationOptions::default() };
+    let (cell_m, copies) = (options.cell_m, copies.to_vec());
+    let options = SimulationOptions { target, cell_m, copies, ..SimulationOptions::default() };
     let (mut package, mut more) = dart::from_scene(scene, &options)?;
     if let Some(flight) = flight {
         dart::add_flight(&mut package, scene, flight, &mut more)?;

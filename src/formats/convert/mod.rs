@@ -16,11 +16,13 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::LeapSeconds;
+use crate::geometry::Copies;
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
 use crate::scene::{Motion, Photometry, Scene, Timing};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
+use super::blend::{BLEND, Exported};
 use super::coloured_mesh;
 use super::dart::Step;
 use super::dart::database::DATABASE;
@@ -37,6 +39,7 @@ use super::obj::format::OBJ;
 use super::raster::headers::ENVI;
 use super::raster::text::GRID;
 use super::raster::{self, Raster};
+use super::scene_toml::format::SCENE as SCENE_FORMAT;
 use super::scene_toml::{Axes, Unsaid, WriteOptions};
 use super::spectrum_csv::CSV;
 use super::{gltf, mtl, obj, registry, scene_toml, spectra, spectrum_csv};
@@ -73,6 +76,10 @@ pub struct Options {
     pub flip: bool,
     /// Copies of a repeated DART scene that are taken on each side.
     pub repeat: u32,
+    /// The program that reads files of Blender; `blender` if not given.
+    pub blender: Option<PathBuf>,
+    /// Where folders for a while may be made; beside the input if not given.
+    pub scratch: Option<PathBuf>,
     /// Zenith angle and azimuth of the Sun in DART's frame, deg, for simulations that give a date.
     pub sun_deg: Option<[f64; 2]>,
     /// Files that an input names may lie outside its folder.
@@ -143,19 +150,84 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
     };
     let (from, _) = format_of(input, options)?;
     without_effect(options, from, to)?;
-    let (_, content, mut report, sources) = read_all(input, options, watch)?;
+    if *from == BLEND && *to == SCENE_FORMAT {
+        return of_blender(input, output, options, watch);
+    }
+    let Contents { content, copies, mut report, sources, .. } = read_all(input, options, watch)?;
     tell(watch, "converting", 0, 1)?;
     let mut size = match &content {
         Content::Raster(raster) if !options.image_bands.is_empty() => raster_size(raster, options.image_bands.len()),
         _ => content.size(),
     };
-    let job = Job { input, from, output, options, sources: &sources, report: &mut report, size: &mut size, watch };
+    let (copies, sources) = (&copies[..], &sources[..]);
+    let job = Job { input, from, output, options, sources, copies, report: &mut report, size: &mut size, watch };
     let written = job.write(content, to).map_err(|e| of_input(e, input))?;
     for note in &mut report.notes {
         // What is known without the file is of the input.
         note.at.file.get_or_insert_with(|| input.to_owned());
     }
     Ok(Conversion { from, to, report, written, size })
+}
+
+/// The scene of a file of Blender, with all of its files: as they were exported, so that textures and instances stay.
+fn of_blender(input: &Path, output: &Path, options: &Options, watch: Watch<'_>) -> Result<Conversion> {
+    let is_folder = registry::is_folder(output);
+    let stem = match output.file_stem() {
+        Some(name) if !is_folder => name.to_string_lossy().into_owned(),
+        _ => "scene".into(),
+    };
+    let mut exported = exported(input, options, &stem, watch)?;
+    let read = scene_toml::read(&exported.scene, watch).map_err(|e| in_stead(e, &exported, input))?;
+    let report = std::mem::take(&mut exported.report);
+    let size = Content::Scene(Box::new(read.scene), Flights::new()).size();
+    let written = !(options.strict && report.has_losses());
+    if written {
+        let mut staged = match is_folder {
+            true => Staged::folder_of(&SCENE, output, options.replace)?,
+            false => Staged::file(output, options.replace)?,
+        };
+        for InputFile { path, .. } in &read.inputs {
+            let name = path.file_name().unwrap_or_default();
+            let to = match is_folder {
+                true => staged.path().join(name),
+                false if *path == exported.scene => staged.path().to_owned(),
+                false => staged.beside(&output.with_file_name(name))?,
+            };
+            let bytes = std::fs::read(path).map_err(|e| Error::io(path, "reading", e))?;
+            staged.put(&to, |out| out.write_all(&bytes))?;
+        }
+        staged.spares([input])?;
+        staged.commit()?;
+    }
+    Ok(Conversion { from: &BLEND, to: &SCENE_FORMAT, report, written, size })
+}
+
+/// A file of Blender as a scene, for as long as the value lives.
+fn exported(input: &Path, options: &Options, stem: &str, watch: Watch<'_>) -> Result<Exported> {
+    let beside = input.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let blender = options.blender.as_deref().unwrap_or(Path::new("blender"));
+    Exported::new(input, blender, options.scratch.as_deref().unwrap_or(beside), stem, watch)
+}
+
+/// An error about the files of a scene that is soon gone: it is the input's.
+fn in_stead(error: Error, exported: &Exported, input: &Path) -> Error {
+    let folder = exported.scene.parent().unwrap_or(&exported.scene);
+    let placed = |at: Location| match &at.file {
+        Some(file) if file.starts_with(folder) => {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            let item = at.item.map_or(name.to_string(), |item| format!("{name}, {item}"));
+            Location::file(input).with_item(item)
+        }
+        _ => at,
+    };
+    match error {
+        Error::Invalid(problems) => {
+            Error::Invalid(problems.into_iter().map(|p| Problem { at: placed(p.at), ..p }).collect())
+        }
+        Error::Syntax { at, message } => Error::Syntax { at: placed(at), message },
+        Error::Unsupported { at, feature } => Error::Unsupported { at: placed(at), feature },
+        other => other,
+    }
 }
 
 /// The format of an input, and its main file or folder.
@@ -182,8 +254,9 @@ fn without_effect(options: &Options, from: &Format, to: &Format) -> Result<()> {
     only(options.cell_m.is_some(), "--cell-m", *to == SIMULATION, "DART as output");
     only(options.sun_deg.is_some(), "--sun-deg", *from == SIMULATION, "DART as input");
     only(options.dart_databases.is_some(), "--databases", *from == SIMULATION, "DART as input");
-    let is_scene = |format: &Format| matches!(format.holds, Holds::Scene);
+    let is_scene = |format: &Format| matches!(format.holds, Holds::Scene | Holds::Blend);
     let has_origin = is_scene(from) || from.is_spectral();
+    only(options.blender.is_some(), "--blender", *from == BLEND, "a file of Blender as input");
     only(options.origin_m.is_some(), "--origin-m", !has_origin, "DART or a mesh as input");
     let is_mesh = from.is_mesh();
     only(options.unit_m.is_some(), "--unit-m", is_mesh, "a mesh as input");
@@ -220,16 +293,23 @@ fn of_input(error: Error, input: &Path) -> Error {
 /// # Errors
 /// Those of the format's reader; [`Error::Invalid`] if the format is not recognised.
 pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(&'static Format, Content, Report)> {
-    let (format, content, report, _) = read_all(input, options, watch)?;
+    let Contents { format, content, report, .. } = read_all(input, options, watch)?;
     Ok((format, content, report))
 }
 
-/// [`read`], with the files that were read.
-fn read_all(
-    input: &Path,
-    options: &Options,
-    watch: Watch<'_>,
-) -> Result<(&'static Format, Content, Report, Vec<PathBuf>)> {
+/// What was read.
+struct Contents {
+    format: &'static Format,
+    content: Content,
+    /// Which facets of a scene are copies of a mesh.
+    copies: Vec<Copies>,
+    report: Report,
+    /// The files that were read.
+    sources: Vec<PathBuf>,
+}
+
+/// [`read`], with what a scene's content does not say, and the files that were read.
+fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<Contents> {
     let (format, path) = format_of(input, options)?;
     if options.repeat > 0 && *format != SIMULATION {
         let message = format!("is {}: only the scene of a DART simulation can be repeated (`--repeat`)", format.name);
@@ -242,11 +322,13 @@ fn read_all(
     let Options { origin_m, unit_m, up, pose, flip, .. } = *options;
     let placing = Placing { origin_m, unit_m, up, pose, flip };
     let mut sources = vec![path.clone()];
+    let mut copies = Vec::new();
     let mut read_from = |inputs: &[InputFile]| sources.extend(inputs.iter().map(|input| input.path.clone()));
     let (content, report) = match format.holds {
         Holds::Scene => {
             let file = scene_toml::read(&path, watch)?;
             read_from(&file.inputs);
+            copies = file.copies;
             let mut report = Report::default();
             for default in &file.defaults {
                 report.note(Fate::Defaulted, Location::file(&path).with_item(&default.item), &default.value);
@@ -256,6 +338,12 @@ fn read_all(
                 None => Content::Scene(Box::new(file.scene), Flights::new()),
             };
             (content, report)
+        }
+        Holds::Blend => {
+            let mut exported = exported(&path, options, "scene", watch)?;
+            let file = scene_toml::read(&exported.scene, watch).map_err(|e| in_stead(e, &exported, &path))?;
+            copies = file.copies;
+            (Content::Scene(Box::new(file.scene), Flights::new()), std::mem::take(&mut exported.report))
         }
         Holds::Mesh { read } => {
             let mut file = read(&path, options.allow_outside)?;
@@ -296,7 +384,7 @@ fn read_all(
             (Content::Flight(Box::new(file)), report)
         }
     };
-    Ok((format, content, report, sources))
+    Ok(Contents { format, content, copies, report, sources })
 }
 
 /// What two files or folders differ in, by meaning: one line each.
@@ -398,6 +486,8 @@ struct Job<'a> {
     options: &'a Options,
     /// Files that were read, none of which is replaced.
     sources: &'a [PathBuf],
+    /// Which facets of a scene are copies of a mesh.
+    copies: &'a [Copies],
     report: &'a mut Report,
     /// How much is converted, in words.
     size: &'a mut String,
@@ -569,7 +659,7 @@ impl Job<'_> {
     }
 
     fn dart(self, scene: &Scene, flight: Option<(&Motion, &Timing)>) -> Result<bool> {
-        let package = dart::package(scene, flight, self.options, self.report)?;
+        let package = dart::package(scene, flight, self.options, self.copies, self.report)?;
         if self.refused() {
             return Ok(false);
         }
@@ -615,10 +705,6 @@ impl Job<'_> {
         let is_cut = surface.mesh.face_of_facet.windows(2).any(|pair| pair[0] == pair[1]);
         if is_cut {
             let message = "faces of more than three corners become triangles";
-            self.report.note(Fate::Dropped, Location::file(input).with_item("mesh"), message);
-        }
-        if !surface.mesh.uv.is_empty() {
-            let message = "texture coordinates are not written to glTF";
             self.report.note(Fate::Dropped, Location::file(input).with_item("mesh"), message);
         }
         let encoded = gltf::encode(surface)?;

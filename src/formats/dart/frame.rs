@@ -91,6 +91,18 @@ pub(super) fn object_rotation(angles_deg: DVec3) -> DMat3 {
     DMat3::from_rotation_z(precession) * DMat3::from_rotation_y(nutation) * DMat3::from_rotation_z(intrinsic)
 }
 
+/// Intrinsic rotation, nutation and precession of a turn, deg: the inverse of [`object_rotation`]. About the vertical alone, all of it is intrinsic.
+pub(super) fn object_deg(turn: DMat3) -> DVec3 {
+    let (x, z) = (turn.x_axis, turn.z_axis);
+    let sin = z.x.hypot(z.y);
+    let (intrinsic, precession) = match sin < ROUNDING_RAD {
+        true => (x.y.atan2(turn.y_axis.y), 0.0),
+        false => (turn.y_axis.z.atan2(-x.z), z.y.atan2(z.x)),
+    };
+    let nutation = if sin < ROUNDING_RAD && z.z > 0.0 { 0.0 } else { sin.atan2(z.z) };
+    DVec3::new(intrinsic, nutation, precession).map(f64::to_degrees)
+}
+
 /// How DART takes an OBJ file's `v`, for people: [`dart_from_obj`] in words.
 pub(super) const OBJ_AXES: &str = "reads `v a b c` as x = c, y = a, z = b";
 /// What to write so that it is taken as is meant: [`obj_from_dart`] in words.
@@ -131,6 +143,17 @@ mod tests {
             let site = dart_from_body(origin_m);
             assert!((site.determinant() - 1.0).abs() < 1e-15);
             assert!((site * origin_m - DVec3::Z * origin_m.length()).length() <= 1e-15 * origin_m.length());
+        }
+    }
+
+    #[test]
+    fn objects_come_back() {
+        for angles_deg in
+            [[0.0, 0.0, 0.0], [30.0, 0.0, 0.0], [10.0, 20.0, -170.0], [100.0, 180.0, 0.0], [-50.0, 90.0, 5.0]]
+        {
+            let turn = object_rotation(DVec3::from_array(angles_deg));
+            let back = object_deg(turn);
+            assert!((back - DVec3::from_array(angles_deg)).length() < 1e-12, "{angles_deg:?} {back}");
         }
     }
 

@@ -1,13 +1,14 @@
 //! A scene as a DART simulation, with all the files it names.
 
+mod fields;
 mod flown;
 mod optics;
 mod surfaces;
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use crate::error::{Error, Location, Result};
-use crate::geometry::{Direction, FrameCamera, Mesh, index_u32, whole};
+use crate::geometry::{Copies, Direction, FrameCamera, Mesh, index_u32, whole};
 use crate::physics::sun;
 use crate::physics::sun_disc::share_beside_sphere;
 use crate::report::{Fate, Report};
@@ -17,7 +18,8 @@ use crate::spectral::{Band, Response, SpectralLibrary};
 use super::frame;
 use super::inputs::TargetVersion;
 use super::sidecar::{self, Sidecar};
-use super::simulation::{Directions, Group, Links, Maket, Object, Phase, Pinhole, Simulation};
+use super::simulation::{Directions, Group, Links, Maket, Object, ObjectField, Phase, Pinhole, Simulation};
+pub(super) use fields::text as places_text;
 pub use flown::add_flight;
 use optics::{
     MONOCHROMATIC_UM, band_mean, databases, emissivity_off, links, on_facet_from_mars, optical, rectangle_off,
@@ -37,6 +39,8 @@ pub struct Package {
     pub simulation: Simulation,
     /// The meshes that its objects name, in the order of the objects.
     pub surfaces: Vec<ObjectMesh>,
+    /// The same of its object fields, each of which has one model.
+    pub fields: Vec<ObjectMesh>,
     /// Its databases: file name and tables.
     pub databases: Vec<(String, Vec<SpectralLibrary>)>,
     /// The same surface lit by Mars alone, where it is: DART has one parallel source, and light adds.
@@ -100,11 +104,13 @@ pub struct SimulationOptions {
     pub cell_m: Option<f64>,
     /// Memory that DART may take, bytes.
     pub memory_bytes: u64,
+    /// Facets of the scene that are copies of a mesh: they become object fields, in the version of which these are known.
+    pub copies: Vec<Copies>,
 }
 
 impl Default for SimulationOptions {
     fn default() -> Self {
-        SimulationOptions { target: TargetVersion::default(), cell_m: None, memory_bytes: 16 << 30 }
+        SimulationOptions { target: TargetVersion::default(), cell_m: None, memory_bytes: 16 << 30, copies: Vec::new() }
     }
 }
 
@@ -148,7 +154,12 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
     let names = unique_names(scene);
     let links = links(scene, &names);
     let thermal = thermal_functions(scene);
-    let surfaces = surfaces(mesh, scene.body.materials.len());
+    // Of 5.11 fields are not known.
+    let copies = if options.target == TargetVersion::V5_7_4 { &options.copies[..] } else { &[] };
+    let materials = scene.body.materials.len();
+    let dart_from_mesh = DAffine3 { matrix3: dart_from_body, translation: origin_in_dart_m };
+    let mut split = fields::split(&mesh, copies, dart_from_mesh, [extent_m.x, extent_m.y], materials);
+    let surfaces = surfaces(split.rest.take().unwrap_or(mesh), materials);
     let bands = intervals(scene, &thermal);
     let irradiance = sunlight(scene).into_iter().map(|e| Some((e, 0.0))).collect();
     let camera = site.camera();
@@ -183,12 +194,29 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
     };
     let object = |(i, surface): (usize, &ObjectMesh)| site.object(i, &surface.groups, options.target, &links);
     simulation.objects = surfaces.iter().enumerate().map(object).collect();
+    let field = |(i, field): (usize, &fields::Field)| {
+        let name = format!("field_{}", i + 1);
+        let model = Object {
+            file: format!("obj/{name}.obj"),
+            name: name.clone(),
+            position_m: DVec3::ZERO,
+            ..site.object(0, &field.surface.groups, options.target, &links)
+        };
+        let (file, places) = (format!("{name}.txt"), field.places.clone());
+        ObjectField { name, file, models: vec![model], places, at: Location::item("mesh") }
+    };
+    simulation.fields = split.fields.iter().enumerate().map(field).collect();
     let size = Size::of(&simulation, scene.body.mesh.facets.len() as u64, extent_m.z);
-    let sidecar = Sidecar::of(scene, origin_in_dart_m);
+    let mut sidecar = Sidecar::of(scene, origin_in_dart_m);
+    if !simulation.fields.is_empty() {
+        sidecar.forget_faces();
+    }
+    site.field_notes(&simulation, &split, &mut report);
     site.notes(&simulation, &size, options, &mut report);
     let mars = site.by_mars(&simulation, &mut report);
     let databases = databases(scene, &names);
-    Ok((Package { simulation, surfaces, databases, mars, sidecar: Some(sidecar), size }, report))
+    let fields = split.fields.into_iter().map(|field| field.surface).collect();
+    Ok((Package { simulation, surfaces, fields, databases, mars, sidecar: Some(sidecar), size }, report))
 }
 
 /// What cells hold all of a surface of this size, m.
@@ -417,6 +445,26 @@ impl Site<'_> {
         }
     }
 
+    /// What became of meshes that stand in several places.
+    fn field_notes(&self, simulation: &Simulation, split: &fields::Split, report: &mut Report) {
+        let mut note = |fate, message: String| report.note(fate, Location::item("mesh.instances"), message);
+        let places = || simulation.fields.iter().flat_map(|field| &field.places);
+        let fields = simulation.fields.len();
+        if fields > 0 {
+            note(Fate::Carried, format!("{} instances are in {fields} object fields", places().count()));
+        }
+        if places().any(|place| place.rotation_deg.y != 0.0) {
+            let message = "instances are turned about more than the vertical: the order of DART's rotations is inferred, not documented";
+            note(Fate::Approximated, message.into());
+        }
+        for (count, why) in [(split.sheared, "are sheared"), (split.outside, "have their origin outside of the scene")]
+        {
+            if count > 0 {
+                note(Fate::Carried, format!("{count} instances {why}: they are part of the surface"));
+            }
+        }
+    }
+
     /// What became of what DART has no exact counterpart for.
     fn notes(&self, simulation: &Simulation, size: &Size, options: &SimulationOptions, report: &mut Report) {
         let scene = self.scene;
@@ -535,7 +583,9 @@ impl Site<'_> {
         }
         match sidecar::runs_of_faces(&scene.body.mesh) {
             Some(runs) if runs.is_empty() => {}
-            Some(_) if files == 1 => report.note(Fate::Carried, item("mesh"), "which face each triangle was cut from"),
+            Some(_) if files == 1 && simulation.fields.is_empty() => {
+                report.note(Fate::Carried, item("mesh"), "which face each triangle was cut from")
+            }
             _ => report.note(
                 Fate::Dropped,
                 item("mesh"),

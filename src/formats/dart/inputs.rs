@@ -57,13 +57,13 @@ const COLOUR: &str = "125 0 125";
 /// Focal length of a 5.11 camera, which is given by its angles: the width of its chip follows, m.
 const FOCAL_LENGTH_M: f64 = 0.05;
 
-/// The files: name and root element. `boxes_m` are the lowest and highest coordinates of each object's OBJ, in DART's axes.
+/// The files: name and root element. `boxes_m` are the lowest and highest coordinates of each object's OBJ, then of each field's model's, in DART's axes.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for a version that is not written, and for features not known in that version.
 pub fn inputs(simulation: &Simulation, boxes_m: &[(DVec3, DVec3)]) -> Result<Vec<(&'static str, Element)>> {
     let writer = Writer { simulation, boxes_m, target: TargetVersion::of(&simulation.version)? };
-    if let Some(field) = simulation.fields.first() {
+    if let Some(field) = simulation.fields.first().filter(|_| writer.is_5_11()) {
         return writer.unsupported(&field.at, "objects that stand in many places");
     }
     let files = [
@@ -254,15 +254,27 @@ impl Writer<'_> {
         });
         let types =
             Element::new("Types").and(Element::new("DefaultTypes").and_all(kinds)).and(Element::new("CustomTypes"));
-        let objects = self.simulation.objects.iter().enumerate().map(|(i, object)| self.object(i, object));
+        let objects = self.simulation.objects.iter().enumerate().map(|(i, object)| self.object(i, i, object));
+        let first_box = self.simulation.objects.len();
+        let fields = self.simulation.fields.iter().scan(first_box, |of_box, field| {
+            let first = *of_box;
+            *of_box += field.models.len();
+            let models = field.models.iter().enumerate().map(|(i, model)| self.object(i, first + i, model));
+            let element = Element::new("Field")
+                .with("name", &field.name)
+                .with("fieldDescriptionFileName", &field.file)
+                .with("showObjectPositions", false);
+            Some(element.and(Element::new("ModelList").and_all(models)))
+        });
         Element::new("object_3d")
             .with("generateTriangleFileXML", false)
             .and(types)
             .and(Element::new("ObjectList").and_all(objects))
-            .and(Element::new("ObjectFields"))
+            .and(Element::new("ObjectFields").and_all(fields))
     }
 
-    fn object(&self, number: usize, object: &Object) -> Element {
+    /// An object of a list, by its number in it and that of its box.
+    fn object(&self, number: usize, of_box: usize, object: &Object) -> Element {
         let has_groups = !object.groups.is_empty();
         let element = Element::new("Object")
             .with("name", &object.name)
@@ -274,7 +286,7 @@ impl Writer<'_> {
             .with("hidden", object.hidden)
             .with("isDisplayed", true)
             .with("objectColor", COLOUR);
-        let mut element = self.new_in_5_11(element, "hideRB", false).and(self.geometry(number, object));
+        let mut element = self.new_in_5_11(element, "hideRB", false).and(self.geometry(of_box, object));
         let mut optical = Element::new("ObjectOpticalProperties")
             .with("sameOPObject", has_groups && object.links.is_some())
             .with("isLAICalc", false)
@@ -299,8 +311,8 @@ impl Writer<'_> {
         element
     }
 
-    fn geometry(&self, number: usize, object: &Object) -> Element {
-        let (low_m, high_m) = self.boxes_m.get(number).copied().unwrap_or_default();
+    fn geometry(&self, of_box: usize, object: &Object) -> Element {
+        let (low_m, high_m) = self.boxes_m.get(of_box).copied().unwrap_or_default();
         let xyz =
             |name: &str, [x, y, z]: [&str; 3], v: DVec3| Element::new(name).with(x, v.x).with(y, v.y).with(z, v.z);
         let deviations = |e: Element, [x, y, z]: [&str; 3]| e.with(x, 0.0).with(y, 0.0).with(z, 0.0);

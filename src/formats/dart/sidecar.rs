@@ -511,6 +511,11 @@ impl Sidecar {
         })
     }
 
+    /// For facets that are written in another order.
+    pub(super) fn forget_faces(&mut self) {
+        self.faces = Vec::new();
+    }
+
     /// The face that each of so many facets was cut from; empty if each is its own, or if the runs are of other facets.
     pub(super) fn faces(&self, facets: usize) -> Vec<u32> {
         let facets_of = |(size, faces): &(u32, u32)| u64::from(*size) * u64::from(*faces);

@@ -28,11 +28,11 @@ use crate::units::AU_M;
 
 use super::database;
 use super::frame;
-use super::from_scene::{Package, SimulationOptions, from_scene};
+use super::from_scene::{ObjectMesh, Package, SimulationOptions, from_scene, places_text};
 use super::inputs::{TargetVersion, inputs};
 use super::sequencer;
 use super::sidecar;
-use super::simulation::Simulation;
+use super::simulation::{Object, Simulation};
 
 /// A folder written here; DART's own output beside it keeps it from being replaced.
 const SIMULATION: FolderKind = FolderKind {
@@ -55,7 +55,7 @@ fn fill(package: &Package, folder: &Path, watch: Watch<'_>) -> Result<()> {
     tell(watch, "writing the simulation", 0, 1)?;
     write_inputs(&package.simulation, package, folder)?;
     let input = folder.join("input");
-    for (surface, object) in package.surfaces.iter().zip(&package.simulation.objects) {
+    for (surface, object) in files(package) {
         let path = input.join(&object.file);
         let writing = |e| Error::io(&path, "writing", e);
         make_folder(path.parent().unwrap_or(folder))?;
@@ -65,13 +65,17 @@ fn fill(package: &Package, folder: &Path, watch: Watch<'_>) -> Result<()> {
         out.into_inner().map_err(|e| writing(e.into_error()))?;
         tell(watch, "writing the simulation", 0, 1)?;
     }
+    for field in &package.simulation.fields {
+        write_text(&input.join(&field.file), &places_text(&field.places))?;
+    }
     for (name, tables) in &package.databases {
         database::create(&input.join(name), tables, false)?;
     }
     if let Some(mars) = &package.mars {
         let folder = folder.join("mars");
         write_inputs(mars, package, &folder)?;
-        let files = package.simulation.objects.iter().map(|o| o.file.as_str());
+        let texts = package.simulation.fields.iter().map(|field| field.file.as_str());
+        let files = files(package).map(|(_, object)| object.file.as_str()).chain(texts);
         for name in files.chain(package.databases.iter().map(|(name, _)| name.as_str())) {
             share(&input.join(name), &folder.join("input").join(name))?;
         }
@@ -86,8 +90,15 @@ fn fill(package: &Package, folder: &Path, watch: Watch<'_>) -> Result<()> {
     tell(watch, "writing the simulation", 1, 1)
 }
 
+/// The OBJ files: those of the objects, then those of the fields' models.
+fn files(package: &Package) -> impl Iterator<Item = (&ObjectMesh, &Object)> {
+    let simulation = &package.simulation;
+    let models = simulation.fields.iter().flat_map(|field| &field.models);
+    package.surfaces.iter().zip(&simulation.objects).chain(package.fields.iter().zip(models))
+}
+
 fn write_inputs(simulation: &Simulation, package: &Package, folder: &Path) -> Result<()> {
-    let boxes_m: Vec<_> = package.surfaces.iter().map(|s| s.mesh.bounds_m().unwrap_or_default()).collect();
+    let boxes_m: Vec<_> = files(package).map(|(surface, _)| surface.mesh.bounds_m().unwrap_or_default()).collect();
     let input = folder.join("input");
     make_folder(&input)?;
     for (name, root) in inputs(simulation, &boxes_m)? {

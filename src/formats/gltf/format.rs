@@ -12,7 +12,7 @@ use crate::report::Note;
 pub(in crate::formats) static TEXT: Format = Format {
     name: "gltf",
     extensions: &["gltf"],
-    reads: "meshes of the default scene, names and colours of materials, origin",
+    reads: "meshes of the default scene, texture coordinates, names and colours of materials, origin",
     writes: "the same, in f32 with residuals, and a .bin",
     mark: &[],
     // What is called .glb and is none: its reader says why.

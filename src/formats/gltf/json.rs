@@ -103,8 +103,16 @@ pub(super) struct Material {
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Pbr {
     pub(super) base_color_factor: Option<[f64; 4]>,
-    pub(super) base_color_texture: Option<IgnoredAny>,
+    pub(super) base_color_texture: Option<TextureInfo>,
     pub(super) metallic_factor: Option<f64>,
+}
+
+/// A picture on a surface.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct TextureInfo {
+    /// Which texture coordinates it goes by.
+    pub(super) tex_coord: usize,
 }
 
 #[derive(Debug, Default, Deserialize)]

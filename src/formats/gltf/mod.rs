@@ -1,4 +1,4 @@
-//! glTF 2.0, as text (`.gltf`) and binary (`.glb`): meshes with the names and colours of their materials.
+//! glTF 2.0, as text (`.gltf`) and binary (`.glb`): meshes with texture coordinates, and the names and colours of their materials.
 //!
 //! **Axes.** glTF has y up and metres; here z is up: (x, y, z) = (x, -z, y) of glTF, as `up = "y"` does in a scene file. So the
 //! body's north, or a site's zenith, is up in every viewer.

@@ -11,7 +11,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::formats::input::{self, InputFile};
 use crate::formats::mesh_file::{ColouredMesh, FLAT, MOST};
 use crate::formats::mtl::{self, ObjMaterial};
-use crate::geometry::{Direction, MaterialId, Mesh, index_u32, whole_u32};
+use crate::geometry::{Direction, MaterialId, Mesh, NO_UV, index_u32, whole_u32};
 use crate::report::{Fate, Report};
 
 use super::RESIDUAL;
@@ -141,6 +141,8 @@ struct Triangles {
     block: usize,
     corners: Vec<[u32; 3]>,
     material: MaterialId,
+    /// Texture coordinates of the primitive's vertices, v up; empty if it has none.
+    uv: Vec<[f64; 2]>,
 }
 
 impl Reader<'_> {
@@ -353,7 +355,8 @@ impl Reader<'_> {
             {
                 return Err(Error::Unsupported { at: data.at(item), feature: extensions::compressed(name) });
             }
-            let is_read = |name: &str| ["POSITION", "NORMAL", "COLOR_0", RESIDUAL].contains(&name);
+            let texture = self.texture_coordinates(primitive);
+            let is_read = |name: &str| ["POSITION", "NORMAL", "COLOR_0", RESIDUAL, &texture].contains(&name);
             let others: Vec<&str> = primitive.attributes.keys().map(String::as_str).filter(|n| !is_read(n)).collect();
             if !others.is_empty() {
                 self.dropped(format!("{item}.attributes"), others.join(", "));
@@ -382,6 +385,7 @@ impl Reader<'_> {
                     numbers.into_iter().map(whole_u32).collect()
                 }
             };
+            let uv = self.uv(primitive, &texture, count, &item)?;
             let material = self.material(primitive, &indices, count, &item)?;
             if mode == 4 && !indices.len().is_multiple_of(3) {
                 return data.wrong(item, format!("{} corners do not make triangles", indices.len()));
@@ -398,9 +402,33 @@ impl Reader<'_> {
             if self.is_smooth(primitive, &corners) {
                 self.dropped(format!("{item}.attributes.NORMAL"), "smooth shading: facets are flat");
             }
-            parts.triangles.push(Triangles { block, corners, material });
+            parts.triangles.push(Triangles { block, corners, material, uv });
         }
         Ok(parts)
+    }
+
+    /// The attribute with the texture coordinates of a primitive: those of its colours' image, or the first.
+    fn texture_coordinates(&self, primitive: &Primitive) -> String {
+        let material = primitive.material.and_then(|index| self.data.root.materials.get(index));
+        let set =
+            material.and_then(|m| m.pbr_metallic_roughness.base_color_texture.as_ref()).map_or(0, |t| t.tex_coord);
+        format!("TEXCOORD_{set}")
+    }
+
+    /// Texture coordinates of a primitive's vertices, v up; empty if it has none.
+    fn uv(&self, primitive: &Primitive, name: &str, count: usize, item: &str) -> Result<Vec<[f64; 2]>> {
+        let Some(&accessor) = primitive.attributes.get(name) else { return Ok(Vec::new()) };
+        let item = format!("{item}.attributes.{name}");
+        let numbers = self.data.numbers(accessor, &["VEC2"], &item)?;
+        if numbers.len() != 2 * count {
+            let message = format!("{} texture coordinates for {count} positions", numbers.len() / 2);
+            return self.data.wrong(item, message);
+        }
+        if let Some(wrong) = numbers.iter().find(|x| !x.is_finite()) {
+            return self.data.wrong(item, format!("{wrong} is no texture coordinate"));
+        }
+        // An image's origin is its upper left corner there.
+        Ok(numbers.chunks_exact(2).map(|uv| [uv[0], 1.0 - uv[1]]).collect())
     }
 
     /// Whether the normals of some triangle's corners differ.
@@ -433,10 +461,19 @@ impl Reader<'_> {
             bases.push(index_u32(base));
         }
         let flip = world.matrix3.determinant() < 0.0;
-        for Triangles { block, corners, material } in &parts.triangles {
+        for Triangles { block, corners, material, uv } in &parts.triangles {
             let base = bases[*block];
             let turned = |&[a, b, c]: &[u32; 3]| if flip { [a, c, b] } else { [a, b, c] };
+            let first = self.mesh.facets.len();
             self.mesh.facets.extend(corners.iter().map(turned).map(|t| t.map(|v| v + base)));
+            if !uv.is_empty() || !self.mesh.uv.is_empty() {
+                // Facets before those that are the first to have any, and those without.
+                self.mesh.uv.resize(first, NO_UV);
+                if !uv.is_empty() {
+                    self.mesh.uv.extend(corners.iter().map(turned).map(|t| t.map(|v| uv[v as usize])));
+                }
+                self.mesh.uv.resize(self.mesh.facets.len(), NO_UV);
+            }
             self.mesh.material.resize(self.mesh.facets.len(), *material);
             if self.mesh.facets.len() > MOST {
                 let item = &parts.blocks[*block].item;

@@ -1,5 +1,7 @@
-//! Writing glTF: one mesh, one primitive for each material, positions in f32 with what that leaves in an attribute beside them. A mesh
+//! Writing glTF: one mesh, one primitive for each material, positions in f32 with what that leaves in an attribute beside them, texture coordinates. A mesh
 //! far from its origin is moved there by its node.
+
+use std::collections::BTreeMap;
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -7,6 +9,7 @@ use serde_json::{Value, json};
 use crate::error::{Error, Location, Result};
 use crate::formats::mesh_file::ColouredMesh;
 use crate::formats::number::single;
+use crate::geometry::{Mesh, index_u32};
 
 use super::RESIDUAL;
 use crate::formats::marks::GLB;
@@ -20,12 +23,14 @@ pub struct Encoded {
     pub largest_error_m: f64,
 }
 
-/// Encodes a mesh. Vertices keep their order; facets are sorted by material, and keep their order within one.
+/// Encodes a mesh. Vertices keep their order, and are followed by those that differ in texture coordinates alone; facets are sorted by material, and keep their order
+/// within one.
 ///
 /// # Errors
 /// [`Error::Invalid`] if there are no facets, if a position is beyond f32, or if the buffer would be 4 GiB or more.
 pub fn encode(surface: &ColouredMesh) -> Result<Encoded> {
-    let mesh = &surface.mesh;
+    let (split, uv) = split_by_uv(&surface.mesh);
+    let mesh = split.as_ref().unwrap_or(&surface.mesh);
     let wrong = |message: &str| Err(Error::invalid(Location::item("mesh"), message));
     if mesh.facets.is_empty() {
         return wrong("has no facets");
@@ -74,8 +79,23 @@ pub fn encode(surface: &ColouredMesh) -> Result<Encoded> {
         attributes[RESIDUAL] = json!(accessors.len());
         accessors.push(json!({ "bufferView": view, "componentType": F32, "type": "VEC3", "count": count }));
     }
+    let mut with_uv = attributes.clone();
+    if !uv.is_empty() {
+        let from = binary.len();
+        uv.iter().flatten().for_each(|x| binary.extend_from_slice(&single(*x).to_le_bytes()));
+        let view = view(&binary, from, VERTICES);
+        with_uv["TEXCOORD_0"] = json!(accessors.len());
+        accessors.push(json!({ "bufferView": view, "componentType": F32, "type": "VEC2", "count": count }));
+    }
     let mut primitives = Vec::new();
     let mut of_material: Vec<Vec<u32>> = vec![Vec::new(); surface.materials.len()];
+    // A material of which no facet has any comes back without.
+    let mut has_uv = vec![false; surface.materials.len()];
+    for (material, corners) in mesh.material.iter().zip(&mesh.uv) {
+        if let Some(has) = has_uv.get_mut(usize::from(material.0)) {
+            *has |= corners.iter().flatten().all(|x| x.is_finite());
+        }
+    }
     for (facet, material) in mesh.facets.iter().zip(&mesh.material) {
         match of_material.get_mut(usize::from(material.0)) {
             Some(list) => list.extend_from_slice(facet),
@@ -86,6 +106,7 @@ pub fn encode(surface: &ColouredMesh) -> Result<Encoded> {
         let from = binary.len();
         corners.iter().for_each(|v| binary.extend_from_slice(&v.to_le_bytes()));
         let view = view(&binary, from, INDICES);
+        let attributes = if has_uv[material] { &with_uv } else { &attributes };
         primitives.push(json!({ "attributes": attributes, "indices": accessors.len(), "material": material }));
         accessors.push(json!({ "bufferView": view, "componentType": U32, "type": "SCALAR", "count": corners.len() }));
     }
@@ -164,6 +185,33 @@ impl Encoded {
         json["buffers"] = json!([buffer]);
         json.to_string()
     }
+}
+
+/// A mesh with a vertex for each texture coordinate that corners at one place have, and each vertex's coordinates, v down, 0 where a facet has none. Vertices keep
+/// their order, and those that are added come last. The mesh is `None` if none are, and there are no coordinates if the mesh has none.
+fn split_by_uv(mesh: &Mesh) -> (Option<Mesh>, Vec<[f64; 2]>) {
+    if mesh.uv.len() != mesh.facets.len() || mesh.uv.is_empty() {
+        return (None, Vec::new());
+    }
+    let mut uv: Vec<Option<[f64; 2]>> = vec![None; mesh.vertices_m.len()];
+    let mut more: BTreeMap<(u32, [u64; 2]), u32> = BTreeMap::new();
+    let mut split = mesh.clone();
+    for (facet, corners) in split.facets.iter_mut().zip(&mesh.uv) {
+        for (vertex, [u, v]) in facet.iter_mut().zip(corners) {
+            let own = if u.is_finite() && v.is_finite() { [*u, 1.0 - v] } else { [0.0; 2] };
+            let first = *uv[*vertex as usize].get_or_insert(own);
+            if first == own {
+                continue;
+            }
+            *vertex = *more.entry((*vertex, own.map(f64::to_bits))).or_insert_with(|| {
+                split.vertices_m.push(mesh.vertices_m[*vertex as usize]);
+                uv.push(Some(own));
+                index_u32(uv.len() - 1)
+            });
+        }
+    }
+    let uv = uv.into_iter().map(Option::unwrap_or_default).collect();
+    ((!more.is_empty()).then_some(split), uv)
 }
 
 /// The middle of a mesh that is farther from its origin than it is large, in glTF's axes and to f32, so that no reader rounds it; else 0.

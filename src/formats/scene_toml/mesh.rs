@@ -1,18 +1,22 @@
 //! Meshes: read or made, and placed.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use crate::error::number;
-use crate::formats::mesh_file::NamedPose;
+use crate::formats::instances_csv;
+use crate::formats::mesh_file::{MOST, NamedPose};
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::{coloured_mesh::Placing, recipe_toml, registry};
-use crate::geometry::{FrameCamera, Mesh, Pose, body_from_site};
+use crate::geometry::{Copies, FrameCamera, Mesh, Pose, body_from_site};
 use crate::landscape;
 use crate::report::Note;
 
 use super::materials::Dictionary;
 use super::types::{Coordinates, GivenPose, MeshToml, PoseToml, RecipeToml};
 use super::{ROUNDED, TomlReader, UNIT_TOLERANCE};
+
+/// A mesh in its own axes, and where its instances stand.
+type Placed = (Mesh, Vec<DAffine3>);
 
 /// A camera that is more sizes of the scene away looks at next to nothing.
 const FAR: f64 = 1000.0;
@@ -39,7 +43,13 @@ impl TomlReader<'_> {
                 return None;
             }
             let item = format!("mesh[{i}]");
-            let mesh = self.mesh(&item, toml, dictionary);
+            let mesh = self.mesh(&item, toml, dictionary).map(|(mesh, copies)| {
+                if let (Some((model, places)), Some(all)) = (copies, &all) {
+                    let first = all.facets.len();
+                    self.copies.push(Copies { facets: first..first + mesh.facets.len(), model, places });
+                }
+                mesh
+            });
             if let (Some(mesh), Some(all)) = (&mesh, &all) {
                 let is_here = |begin: &usize| all.vertices_m[*begin..].starts_with(&mesh.vertices_m);
                 if let Some(other) = begins.iter().position(is_here) {
@@ -63,7 +73,8 @@ impl TomlReader<'_> {
         all
     }
 
-    fn mesh(&mut self, item: &str, toml: &MeshToml, dictionary: &mut Dictionary) -> Option<Mesh> {
+    /// A mesh where it stands, or all of its instances where they do; then also one of them in its own axes, and their places.
+    fn mesh(&mut self, item: &str, toml: &MeshToml, dictionary: &mut Dictionary) -> Option<(Mesh, Option<Placed>)> {
         let pose = self.pose(item, toml);
         let key = |key: &str| format!("{item}.{key}");
         let source = key(toml.source());
@@ -107,8 +118,20 @@ impl TomlReader<'_> {
         for material in &mut mesh.material {
             *material = entries[material.0 as usize];
         }
+        let places = match &toml.instances {
+            None => None,
+            Some(name) => Some(self.instances(&key("instances"), name, &mesh)?),
+        };
         let pose = pose?;
-        mesh.vertices_m.iter_mut().for_each(|vertex| *vertex = pose.point(*vertex));
+        let posed = DAffine3 { matrix3: pose.rotation, translation: pose.translation_m };
+        let copies = places.map(|places| {
+            let places: Vec<DAffine3> = places.into_iter().map(|place| posed * place).collect();
+            let all = mesh.copied(&places);
+            (std::mem::replace(&mut mesh, all), places)
+        });
+        if copies.is_none() {
+            mesh.vertices_m.iter_mut().for_each(|vertex| *vertex = pose.point(*vertex));
+        }
         if toml.recipe.is_none() {
             self.suspect_unit(item, toml, &mesh);
         }
@@ -121,7 +144,24 @@ impl TomlReader<'_> {
                 !now
             ));
         }
-        Some(mesh)
+        Some((mesh, copies))
+    }
+
+    /// Where a table has the instances of a mesh.
+    fn instances(&mut self, item: &str, name: &str, mesh: &Mesh) -> Option<Vec<DAffine3>> {
+        let read = instances_csv::read(&self.path(name));
+        let (places, input) = self.taken(item, read)?;
+        self.inputs.push(input);
+        let (vertices, facets) = (mesh.vertices_m.len(), mesh.facets.len());
+        if places.len().saturating_mul(vertices.max(facets)) > MOST {
+            let message = format!(
+                "{} instances of a mesh of {facets} facets and {vertices} vertices are more than {MOST} in all",
+                places.len()
+            );
+            self.problem(item, message);
+            return None;
+        }
+        Some(places)
     }
 
     /// A file's mesh, m, z up, its materials, and doubts about them.

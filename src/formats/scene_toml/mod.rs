@@ -30,7 +30,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::flight::{Epoch, LeapSeconds, Span};
-use crate::geometry::{Direction, Pose};
+use crate::geometry::{Copies, Direction, Pose};
 use crate::instrument::Chain;
 use crate::physics::sun_disc::DiscRule;
 use crate::progress::{Progress, Watch};
@@ -82,6 +82,8 @@ pub struct SceneFile {
     pub motion: Option<(Motion, Timing)>,
     /// What the instrument makes of the radiance before it; none: nothing.
     pub chain: Option<Chain>,
+    /// Which facets are copies of one mesh: those of meshes with `instances`.
+    pub copies: Vec<Copies>,
     /// What this version reads and cannot simulate: the first such key, and why.
     unsimulated: Option<(Location, String)>,
 }
@@ -172,8 +174,8 @@ fn read_for(path: &Path, moments: Option<Moments<'_>>, watch: Watch<'_>) -> Resu
         Err(Error::Unsupported { at, feature }) => Some((reader.document.at(&reader.item_of(&at)), feature)),
         _ => None,
     };
-    let TomlReader { defaults, notes, inputs, motion, chain, .. } = reader;
-    Ok((SceneFile { scene, defaults, notes, inputs, motion, chain, unsimulated }, toml))
+    let TomlReader { defaults, notes, inputs, motion, chain, copies, .. } = reader;
+    Ok((SceneFile { scene, defaults, notes, inputs, motion, chain, copies, unsimulated }, toml))
 }
 
 /// A moving scene at the reference exposure of an image.
@@ -217,6 +219,7 @@ pub(super) struct TomlReader<'a> {
     inputs: Vec<InputFile>,
     motion: Option<(Motion, Timing)>,
     chain: Option<Chain>,
+    copies: Vec<Copies>,
     /// When else the scene is looked at, beside its own moment.
     moments: Option<Moments<'a>>,
     /// The item of another file that changes some of the scene, as `acquisitions[2]`: its keys are those of `flight`.
@@ -240,6 +243,7 @@ impl<'a> TomlReader<'a> {
             inputs: vec![input],
             motion: None,
             chain: None,
+            copies: Vec::new(),
             moments: None,
             entry: None,
             watch,

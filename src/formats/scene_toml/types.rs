@@ -74,6 +74,9 @@ pub(crate) struct MeshToml {
     pub(crate) flip: Option<bool>,
     /// Entry of the dictionary that all of this mesh is made of, whatever the mesh itself says.
     pub(crate) material: Option<String>,
+    /// Path of a CSV table of where the mesh stands, instead of once at its own place: `x_m`, `y_m`, `z_m` of its origin, in the coordinates that it else has itself, and
+    /// `scale` (or `scale_x`, `scale_y`, `scale_z`) and a unit quaternion `qx`, `qy`, `qz`, `qw`, or the matrix of both, `xx`, `xy`, .. `zz`. A row for each instance.
+    pub(crate) instances: Option<String>,
 }
 
 /// A recipe, or a file with one.

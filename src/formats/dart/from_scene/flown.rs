@@ -14,7 +14,7 @@ use super::super::inputs::of_a_moment;
 use super::super::read::sequence::count;
 use super::super::simulation::{Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation};
 use super::optics::sunlight;
-use super::{Package, SAME, Site, extent_m, lit_by_mars};
+use super::{Package, SAME, Site, lit_by_mars};
 
 /// The sequence's name, and its file's.
 const NAME: &str = "flight";
@@ -53,9 +53,7 @@ pub fn add_flight(
     let dart_from_body = frame::dart_from_body(scene.body.origin_m);
     let origin_in_dart_m = package.simulation.objects.first().map_or(DVec3::ZERO, |object| object.position_m);
     let base = &package.simulation;
-    let boxes_m = package.surfaces.iter().filter_map(|surface| surface.mesh.bounds_m());
-    let (low_m, high_m) = boxes_m.reduce(|(a, b), (low, high)| (a.min(low), b.max(high))).unwrap_or_default();
-    let middle_m = 0.5 * extent_m(high_m - low_m, base.maket.cell_m[0]);
+    let middle_m = 0.5 * DVec3::from_array(package.size.cells.map(|count| count as f64)) * base.maket.cell_m[0];
     let mut by_sun = Varied::of(base)?;
     let mut by_mars = package.mars.as_ref().map(Varied::of).transpose()?;
     let mut unlit_by_mars = 0;
