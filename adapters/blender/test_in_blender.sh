@@ -27,6 +27,15 @@ extension() {
     "$1" "$cli" validate mmxrt && "$1" "$cli" build --source-dir mmxrt --output-dir "$work"
 }
 
+# What `mmxrt convert` makes of a file by Blender: a scene with all that the add-on exports, which the add-on itself has written too, and what else scenes become.
+convert() {
+    "$mmxrt" convert "$work/of_blender/scene.blend" "$work/converted" --to scene &&
+        diff -r "$work/of_blender/scene" "$work/converted" &&
+        "$mmxrt" convert "$work/of_blender/scene.blend" "$work/converted.glb" &&
+        "$mmxrt" convert "$work/of_blender/scene.blend" "$work/of_dart" | grep "object fields" &&
+        "$mmxrt" convert --check "$work/of_dart"
+}
+
 if [[ $blenders == *bpy* ]]; then
     python=${MMXRT_BPY:-$work/bpy/bin/python}
     if [ -z "${MMXRT_BPY:-}" ]; then
@@ -44,7 +53,7 @@ if [[ $blenders == *debian* ]]; then
     command -v blender >/dev/null || { apt-get update && apt-get install -y --no-install-recommends blender; } >/dev/null 2>&1 || true
     if command -v blender >/dev/null; then
         step "blender" blender -b --factory-startup --python test_in_blender.py -- "$mmxrt" "$work/of_blender"
-        step "convert" "$mmxrt" convert "$work/of_blender/scene.blend" "$work/converted.glb"
+        step "convert" convert
     else
         skip "blender" "it is not installed, and apt-get cannot add it"
     fi

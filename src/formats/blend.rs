@@ -45,6 +45,16 @@ const OFTEN: Duration = Duration::from_millis(20);
 /// Lines of Blender's that are told where it fails without a word of the add-on's.
 const TOLD: usize = 5;
 
+/// How Blender is run.
+pub(super) struct How<'a> {
+    /// The program.
+    pub(super) blender: &'a Path,
+    /// Where the folder is made.
+    pub(super) scratch: &'a Path,
+    /// Whether tables and images may lie outside of the file's folder.
+    pub(super) outside: bool,
+}
+
 /// The scene of a file, in a folder that goes with this value.
 #[derive(Debug)]
 pub(super) struct Exported {
@@ -64,15 +74,15 @@ impl Drop for Exported {
 }
 
 impl Exported {
-    /// Has Blender, the program `blender`, export a file to a new folder in `scratch`, as `stem.toml` and files that begin with `stem`.
+    /// Has Blender export a file to a new folder, as `stem.toml` and files that begin with `stem`.
     ///
     /// # Errors
     /// [`Error::Invalid`] where there is no such program, it cannot open the file, or the scene is none that can be exported; [`Error::Io`];
     /// [`Error::Interrupted`].
-    pub(super) fn new(file: &Path, blender: &Path, scratch: &Path, stem: &str, watch: Watch<'_>) -> Result<Self> {
+    pub(super) fn new(file: &Path, stem: &str, how: &How<'_>, watch: Watch<'_>) -> Result<Self> {
         // Blender opens nothing and exits well where there is no file.
         File::open(file).map_err(|e| Error::io(file, "reading", e))?;
-        let folder = new_folder(scratch)?;
+        let folder = new_folder(how.scratch)?;
         let mut exported =
             Exported { scene: folder.join("scene").join(format!("{stem}.toml")), folder, report: Report::default() };
         let package = exported.folder.join("mmxrt");
@@ -85,13 +95,19 @@ impl Exported {
             let path = package.join(name);
             fs::write(&path, text).map_err(writing(&path))?;
         }
-        let said = exported.run(file, blender, stem, watch)?;
+        let said = exported.run(file, stem, how, watch)?;
         exported.hear(file, &said)?;
         Ok(exported)
     }
 
     /// Runs Blender; what it said.
-    fn run(&self, file: &Path, blender: &Path, stem: &str, watch: Watch<'_>) -> Result<String> {
+    fn run(
+        &self,
+        file: &Path,
+        stem: &str,
+        &How { blender, outside, .. }: &How<'_>,
+        watch: Watch<'_>,
+    ) -> Result<String> {
         let log = self.folder.join("said.txt");
         let logging = |e| Error::io(&log, "writing", e);
         let out = File::create(&log).map_err(logging)?;
@@ -99,7 +115,8 @@ impl Exported {
         // Scripts in the file are not run.
         command.args(["--background", "--factory-startup", "--disable-autoexec"]).arg(absolute(file));
         command.arg("--python").arg(absolute(&self.folder.join("mmxrt").join("headless.py")));
-        command.arg("--").arg(absolute(&self.folder.join("scene"))).arg(stem).env("PYTHONDONTWRITEBYTECODE", "1");
+        command.arg("--").arg(absolute(&self.folder.join("scene"))).arg(stem).args(outside.then_some("outside"));
+        command.env("PYTHONDONTWRITEBYTECODE", "1");
         command.stdin(Stdio::null()).stderr(out.try_clone().map_err(logging)?).stdout(out);
         let mut child = command.spawn().map_err(|e| match e.kind() {
             ErrorKind::NotFound | ErrorKind::PermissionDenied => {

@@ -303,10 +303,10 @@ fn formats_are_told_and_listed() {
     for (arguments, code, told) in [
         (vec!["convert"], 2, "Usage"),
         (vec!["convert", "a"], 2, "required"),
-        (vec!["convert", "a", "b", "--to", "blend"], 2, "formats are scene, obj, gltf"),
+        (vec!["convert", "a", "b", "--to", "fbx"], 2, "formats are scene, blend, obj, gltf"),
         (vec!["convert", "a", "b.glb", "--bands", "1:2"], 2, "FIRST:LAST:COUNT"),
         (vec!["convert", "no-such-file", "b.glb"], 1, "no-such-file: there is no such file or folder"),
-        (vec!["convert", &argument("scene.toml"), "b.blend"], 1, "b.blend: no format's names end like this"),
+        (vec!["convert", &argument("scene.toml"), "b.fbx"], 1, "b.fbx: no format's names end like this"),
         (vec!["convert", &argument("blue.csv"), &argument("b.glb")], 1, "they make no scene"),
         (vec!["convert", &argument("ground.obj"), &argument("b.csv")], 1, "it has no spectra"),
     ] {

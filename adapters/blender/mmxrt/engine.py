@@ -85,9 +85,9 @@ def of_render(scene, work):
     return outcome["result"]
 
 
-def export(scene, folder, collection=None, stem="scene"):
+def export(scene, folder, collection=None, stem="scene", inside=None):
     """Writes the folder of a scene, with `stem.toml`; what became of what has no place in it, as (fate, what, why)."""
-    gathered = of_render(scene, lambda graph: gather.gather(graph, collection))
+    gathered = of_render(scene, lambda graph: gather.gather(graph, collection, inside))
     scene_toml.write(gathered, folder, stem)
     return gathered.notes
 

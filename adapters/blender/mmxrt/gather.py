@@ -16,13 +16,14 @@ WITH_MESH = ("CURVE", "SURFACE", "FONT", "META")
 UNSEEN = ("EMPTY", "CAMERA", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE")
 
 
-def gather(graph, collection=None):
-    """What a graph renders; of a collection, its objects alone, with the Sun and camera of all.
+def gather(graph, collection=None, inside=None):
+    """What a graph renders; of a collection, its objects alone, with the Sun and camera of all. Tables and images are taken from the folder `inside` alone, if one is said.
 
     Raises ValueError for what makes no scene.
     """
     source = graph.scene_eval
     scene = scene_toml.Scene()
+    scene.inside = inside
     unit_m = float(source.unit_settings.scale_length) if source.unit_settings.system != "NONE" else 1.0
     if unit_m != 1.0:
         scene.note("approximated", "scene", f"its unit is {unit_m:g} m: all lengths are in metres, as Blender shows them")

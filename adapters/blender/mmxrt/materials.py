@@ -125,10 +125,11 @@ def entry(material, found, scene):
         keys[key] = given
     stated = any(key in keys for key in ("reflectance", "mixture", "preset", "table"))
     if found.image is not None and "mixture" not in keys:
-        image, texture = _texture(found.image, item, scene.note)
+        image, texture = _texture(found.image, item, scene)
         # With a spectrum the image varies it; alone it is the reflectance.
         texture["quantity"] = "factor" if stated else "reflectance"
-        keys.setdefault("reflectance", float(np.clip(image.mean(), 0.0, 1.0))) if not stated else None
+        if not stated:
+            keys["reflectance"] = float(np.clip(image.mean(), 0.0, 1.0))
         scene.textures[name_of(material)] = (image, texture)
     elif not stated:
         keys["reflectance"] = float(np.clip(obj.luminance(found.colour), 0.0, 1.0))
@@ -150,6 +151,7 @@ def _table(path, material, item, scene):
     found = bpy.path.abspath(path, library=material.library)
     if not os.path.isfile(found):
         raise FileNotFoundError(f"{item}: the table {found} is not there")
+    _within(found, item, scene)
     stem, ending = os.path.splitext(os.path.basename(found))
     # Names that all systems have; instances have tables of their own.
     known = [name for name, source in scene.tables.items() if source == found]
@@ -158,9 +160,20 @@ def _table(path, material, item, scene):
     return Table(name)
 
 
-def _texture(node, item, note):
+def _within(path, item, scene):
+    """Refuses a file outside of the folder to which an export is kept, if it is to one."""
+    if scene.inside is None:
+        return
+    inside = os.path.realpath(scene.inside)
+    if not os.path.realpath(path).startswith(os.path.join(inside, "")):
+        raise ValueError(f"{item}: {path} lies outside of the file's folder: --allow-outside takes it all the same")
+
+
+def _texture(node, item, scene):
     """A picture's luminance, linear, [line, sample] from the top, and the keys that say how it is read."""
-    image = node.image
+    image, note = node.image, scene.note
+    if image.source != "GENERATED" and image.packed_file is None and image.filepath:
+        _within(bpy.path.abspath(image.filepath, library=image.library), item, scene)
     width, height = image.size
     if width == 0 or height == 0:
         raise FileNotFoundError(f"{item}: the image {image.name!r} has no pixels: is its file there?")

@@ -47,6 +47,8 @@ class Scene:
         self.is_site = False
         # Tables that are added as they are.
         self.more = ""
+        # The only folder from which files are taken; None: any.
+        self.inside = None
         # What became of what has no place in a scene: ("dropped", what, why).
         self.notes = []
 

@@ -22,7 +22,7 @@ use crate::report::{Fate, Report};
 use crate::scene::{Motion, Photometry, Scene, Timing};
 use crate::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum};
 
-use super::blend::{BLEND, Exported};
+use super::blend::{BLEND, Exported, How};
 use super::coloured_mesh;
 use super::dart::Step;
 use super::dart::database::DATABASE;
@@ -206,7 +206,8 @@ fn of_blender(input: &Path, output: &Path, options: &Options, watch: Watch<'_>) 
 fn exported(input: &Path, options: &Options, stem: &str, watch: Watch<'_>) -> Result<Exported> {
     let beside = input.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let blender = options.blender.as_deref().unwrap_or(Path::new("blender"));
-    Exported::new(input, blender, options.scratch.as_deref().unwrap_or(beside), stem, watch)
+    let how = How { blender, scratch: options.scratch.as_deref().unwrap_or(beside), outside: options.allow_outside };
+    Exported::new(input, stem, &how, watch)
 }
 
 /// An error about the files of a scene that is soon gone: it is the input's.
@@ -713,6 +714,10 @@ impl Job<'_> {
                 "positions are f32, up to {:.3e} m off; `_POSITION_RESIDUAL` keeps the rest for who knows it",
                 encoded.largest_error_m
             );
+            self.report.note(Fate::Approximated, Location::file(input).with_item("mesh"), message);
+        }
+        if encoded.largest_uv_error > 0.0 {
+            let message = format!("texture coordinates are f32, up to {:.1e} off", encoded.largest_uv_error);
             self.report.note(Fate::Approximated, Location::file(input).with_item("mesh"), message);
         }
         if self.refused() {

@@ -21,6 +21,8 @@ pub struct Encoded {
     binary: Vec<u8>,
     /// The farthest that a vertex is from where its f32 position puts it, m.
     pub largest_error_m: f64,
+    /// The farthest that a texture coordinate is from its f32, in images.
+    pub largest_uv_error: f64,
 }
 
 /// Encodes a mesh. Vertices keep their order, and are followed by those that differ in texture coordinates alone; facets are sorted by material, and keep their order
@@ -80,6 +82,11 @@ pub fn encode(surface: &ColouredMesh) -> Result<Encoded> {
         accessors.push(json!({ "bufferView": view, "componentType": F32, "type": "VEC3", "count": count }));
     }
     let mut with_uv = attributes.clone();
+    let rounded = |x: &f64| f64::from(single(*x));
+    if uv.iter().flatten().any(|x| !rounded(x).is_finite()) {
+        return wrong("a texture coordinate is beyond f32");
+    }
+    let largest_uv_error = uv.iter().flatten().map(|x| (x - rounded(x)).abs()).fold(0.0, f64::max);
     if !uv.is_empty() {
         let from = binary.len();
         uv.iter().flatten().for_each(|x| binary.extend_from_slice(&single(*x).to_le_bytes()));
@@ -144,7 +151,7 @@ pub fn encode(surface: &ColouredMesh) -> Result<Encoded> {
         "accessors": accessors,
         "bufferViews": views,
     });
-    Ok(Encoded { json, binary, largest_error_m })
+    Ok(Encoded { json, binary, largest_error_m, largest_uv_error })
 }
 
 impl Encoded {
