@@ -33,7 +33,12 @@ convert() {
         diff -r "$work/of_blender/scene" "$work/converted" &&
         "$mmxrt" convert "$work/of_blender/scene.blend" "$work/converted.glb" &&
         "$mmxrt" convert "$work/of_blender/scene.blend" "$work/of_dart" | grep "object fields" &&
-        "$mmxrt" convert --check "$work/of_dart"
+        "$mmxrt" convert --check "$work/of_dart" || return 1
+    # Its table lies in another folder now.
+    mkdir "$work/elsewhere" && cp "$work/of_blender/scene.blend" "$work/elsewhere/"
+    if "$mmxrt" convert "$work/elsewhere/scene.blend" "$work/elsewhere/scene.toml" 2>"$work/refused"; then return 1; fi
+    grep "lies outside of the file's folder" "$work/refused" || return 1
+    "$mmxrt" convert "$work/elsewhere/scene.blend" "$work/elsewhere/scene.toml" --allow-outside
 }
 
 if [[ $blenders == *bpy* ]]; then

@@ -194,6 +194,26 @@ class Scenes(unittest.TestCase):
             self.assertRaises(ValueError, scene_toml.write, scene_toml.Scene(), os.path.join(folder, "none"))
             self.assertEqual(sorted(os.listdir(folder)), ["scene", "thesis.txt"])
 
+    @unittest.skipIf(tomllib is None, "Python before 3.11 reads no TOML")
+    def test_a_site_has_its_own_axes(self):
+        scene = self.scene()
+        scene.is_site, scene.origin_m = True, [0.0, 11e3, 0.0]
+        scene.lamps = [{"name": "lamp", "direction": [0.0, 0.0, 1.0], "irradiance": 0.5}]
+        scene.more = "[thermal]\nmodel = \"off\""
+        said = tomllib.loads(scene_toml.text(scene, "one"))
+        self.assertEqual([mesh["pose"] for mesh in said["mesh"]], ["radial", "radial"])
+        self.assertEqual([mesh["file"] for mesh in said["mesh"]], ["one.obj", "one.a_sheet.obj"])
+        self.assertEqual([said[k]["frame"] for k in ("sun", "observer")] + [said["lamps"][0]["frame"]], ["site"] * 3)
+        self.assertNotIn("coordinates", said["observer"])
+        self.assertEqual((said["thermal"], said["origin_m"]), ({"model": "off"}, [0.0, 11e3, 0.0]))
+        if "MMXRT" not in os.environ:
+            return
+        with tempfile.TemporaryDirectory() as folder:
+            scene_toml.write(scene, folder)
+            run = subprocess.run([os.environ["MMXRT"], "inspect", os.path.join(folder, "scene.toml")], capture_output=True, text=True, check=False)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertRegex(run.stdout, "warnings: none")
+
     def test_names_of_files_are_each_once(self):
         taken = {"surface"}
         self.assertEqual([scene_toml.unique(n, taken) for n in ("Surface", "a b", "a/b", "")], ["Surface_2", "a_b", "a_b_2", "_"])

@@ -344,7 +344,7 @@ fn materials(materials: &[ObjMaterial]) -> Value {
 
 /// What `convert` makes of a file or folder.
 fn converted(path: &Path, console: &Console) -> Result<Facts> {
-    let options = convert::Options::default();
+    let options = convert::Options { scratch: Some(std::env::temp_dir()), ..convert::Options::default() };
     let (format, content, report) = convert::read(path, &options, &|progress| console.watch(progress))?;
     let names: Vec<Value> = match &content {
         Content::Scene(scene, _) => scene.body.materials.iter().map(|m| json!({ "name": m.name })).collect(),

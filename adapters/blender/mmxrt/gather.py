@@ -233,7 +233,7 @@ def _triangles(own, known_materials, scene):
                 material[material == i] = own_index + len(names)
                 names += keys
                 for key in keys:
-                    known_materials.setdefault(key, (bpy.data.materials.get(key), None))
+                    known_materials.setdefault(key, (materials.of_colour(key), None))
         hashed = hashlib.sha256(repr(names).encode())
         for array in (vertices, triangles, material, uv):
             hashed.update(b"" if array is None else np.ascontiguousarray(array).tobytes())
@@ -286,12 +286,15 @@ def _dictionary(known, scene):
     used = set()
     for mesh in [mesh for _, mesh in scene.objects] + [mesh for _, mesh, _ in scene.instanced]:
         used.update(mesh.names[i] for i in np.unique(mesh.material))
+    by_name = {materials.name_of(material): material for material in bpy.data.materials}
     open_names = sorted(used)
     while open_names:
         name = open_names.pop(0)
         if name in scene.materials:
             continue
-        material, found = known.get(name) or (bpy.data.materials.get(name), None)
+        material, found = known.get(name) or (by_name.get(name), None)
+        if material is None and name not in known:
+            raise ValueError(f"a mixture has {name!r}, which no material in the file is called: Blender saves those that no mesh uses only with a fake user")
         if material is None and name.startswith("#"):
             scene.materials[name] = {"reflectance": float(np.clip(obj.luminance(obj.colour_of_key(name)), 0.0, 1.0))}
             continue

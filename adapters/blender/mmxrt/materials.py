@@ -29,6 +29,12 @@ def name_of(material):
     return obj.plain_name(stated if isinstance(stated, str) and stated else material.name) or UNNAMED
 
 
+def of_colour(name):
+    """The material that says what a colour `#rrggbb` is made of, if one of this name says anything."""
+    material = bpy.data.materials.get(name)
+    return material if material is not None and any(key.startswith("mmxrt_") for key in material.keys()) else None
+
+
 class Look:
     """Where a material's colour comes from: one colour, an image, or a colour attribute."""
 
