@@ -58,6 +58,12 @@ def stated_program():
     return add_on.preferences.program if add_on else ""
 
 
+def view_layer(scene):
+    """The view layer that is exported: the one at hand, as renders have all of them one after the other."""
+    at_hand = bpy.context.view_layer
+    return at_hand if at_hand is not None and at_hand.name in scene.view_layers and bpy.context.scene == scene else scene.view_layers[0]
+
+
 def of_render(scene, work):
     """What `work` makes of the dependency graph with which `scene` renders. Its engine is exchanged for a moment."""
     outcome = {}
@@ -70,12 +76,20 @@ def of_render(scene, work):
 
     render = scene.render
     kept = {name: getattr(render, name) for name in ("engine", "use_compositing", "use_sequencer", "use_lock_interface")}
+    # A render before stays in its slot.
+    result = bpy.data.images.get("Render Result")
+    slots = result.render_slots if result and len(result.render_slots) > 1 else None
+    slot = slots.active_index if slots else 0
     MmxrtEngine.task = task
     try:
+        if slots:
+            slots.active_index = 0 if slot > 0 else len(slots) - 1
         render.engine, render.use_compositing, render.use_sequencer = ID, False, False
-        bpy.ops.render.render(scene=scene.name)
+        bpy.ops.render.render(scene=scene.name, layer=view_layer(scene).name)
     finally:
         MmxrtEngine.task = None
+        if slots:
+            slots.active_index = slot
         for name, value in kept.items():
             setattr(render, name, value)
     if "error" in outcome:
@@ -88,6 +102,8 @@ def of_render(scene, work):
 def export(scene, folder, collection=None, stem="scene", inside=None):
     """Writes the folder of a scene, with `stem.toml`; what became of what has no place in it, as (fate, what, why)."""
     gathered = of_render(scene, lambda graph: gather.gather(graph, collection, inside))
+    if sum(layer.use for layer in scene.view_layers) > 1:
+        gathered.note("dropped", "view layers", f"all but {view_layer(scene).name!r}")
     scene_toml.write(gathered, folder, stem)
     return gathered.notes
 
