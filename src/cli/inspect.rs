@@ -14,8 +14,8 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
-    envi, ephemeris, exposures_csv, exr_cube, flight_doubts, npz, pixel, product_folder, radiance_map, recipe_toml,
-    registry, spice,
+    envi, ephemeris, exposures_csv, exr_cube, flight_doubts, mesh_picture, npz, pixel, product_folder, radiance_map,
+    recipe_toml, registry, spice,
 };
 use mmxrt::geometry::Defects;
 use mmxrt::job::{self, CurveSheet, FlightFacts, PartFacts, SurfaceFacts, Survey};
@@ -45,7 +45,7 @@ pub(crate) struct Arguments {
     /// Write the spectrum of the pixel, or of the Sun, or the phase curve of the material, as a table
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Write a picture of an image (.png: grey, or three bands in colour), or of the spectrum of a pixel or of the Sun, or the phase curve of a material (.svg), or of an orbit or attitude (.svg or .png)
+    /// Write a picture of an image (.png: grey, or three bands in colour), or of the spectrum of a pixel or of the Sun, or the phase curve of a material (.svg), or of an orbit or attitude (.svg or .png), or of a mesh from four sides (.png; inner sides are red)
     #[arg(long, value_name = "OUT")]
     picture: Option<PathBuf>,
     /// The band to show, counted from 1; given three times, those for red, green and blue
@@ -116,9 +116,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             }
             flight(path, format.name)?
         }
+        Some(format) if format.is_mesh() && arguments.picture.is_some() => {
+            let facts = inspect(path, found, console)?;
+            if let Some(target) = &arguments.picture {
+                super::settle(target, console)?;
+                let file = registry::mesh(path, true)?;
+                mesh_picture::write(&file.surface.mesh, target, arguments.force, path)?;
+            }
+            facts
+        }
         _ if arguments.picture.is_some() => {
             let problem = Problem::new(Location::file(path), "is not an image, so no picture can be made of it");
-            let help = "pictures are made of images, orbits and attitudes (also kernels); of a product folder its cube";
+            let help = "pictures are made of images, meshes, orbits and attitudes (also kernels); of a product folder its cube";
             return Err(Error::Invalid(vec![problem.with_help(help)]));
         }
         _ if is_campaign(path)? => campaign(path, console)?,
@@ -316,6 +325,8 @@ fn mesh(path: &Path, kind: &str) -> Result<Facts> {
         "duplicate_facets": defects.duplicate_facets,
         "facets_without_area": defects.flat_facets,
         "slivers": defects.slivers,
+        "pairs_of_facets_that_cross": defects.crossings.pairs,
+        "more_cross": defects.crossings.at_least,
         "coincident_vertices": defects.coincident_vertices,
         "unused_vertices": defects.unused_vertices,
     });

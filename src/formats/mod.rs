@@ -55,6 +55,7 @@ mod picture;
 pub mod ply;
 mod product_curves;
 pub mod product_folder;
+pub mod mesh_picture;
 pub mod quicklook;
 pub mod radiance_map;
 pub mod raster;

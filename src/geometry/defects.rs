@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Mesh, index_u32};
+use super::{Crossings, Mesh, index_u32};
 
 /// A facet whose height over its longest edge is below this is a sliver.
 const SLIVER: f64 = 1e-3;
@@ -23,6 +23,8 @@ pub struct Defects {
     pub flat_facets: usize,
     /// Facets that are higher than nothing, but less than a thousandth of their longest edge.
     pub slivers: usize,
+    /// Facets that cross one another.
+    pub crossings: Crossings,
     /// Connected parts: facets that share a vertex are connected.
     pub parts: usize,
     /// Vertices at the place of one before.
@@ -70,6 +72,7 @@ impl Defects {
         places.par_sort_unstable();
         found.coincident_vertices = places.windows(2).filter(|pair| pair[0] == pair[1]).count();
         (found.parts, found.unused_vertices) = parts(mesh);
+        found.crossings = Crossings::of(mesh);
         found
     }
 }
@@ -134,6 +137,11 @@ mod tests {
         let turned = [[0, 1, 2], FACETS[1], FACETS[2], FACETS[3]];
         assert_eq!(of(&turned), Defects { turned_edges: 3, parts: 1, ..Defects::default() });
         // There twice: its edges have three facets each; the other way round, too.
+        // A facet that is drawn out below the one across from it passes through that.
+        let mut through = CORNERS;
+        through[3] = [0.2, 0.2, -1.0];
+        let pierced = mesh(&[&through[..], &[[0.2, 0.2, 1.0]]].concat(), &[FACETS[0], [1, 2, 3], [0, 3, 4]]);
+        assert_eq!(Defects::of(&pierced).crossings.pairs, 1);
         let twice = [FACETS[0], FACETS[1], FACETS[2], FACETS[3], [1, 2, 0]];
         assert_eq!(of(&twice), Defects { crowded_edges: 3, duplicate_facets: 1, parts: 1, ..Defects::default() });
         // One facet alone: three open edges, and a vertex that nobody uses.

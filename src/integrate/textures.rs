@@ -26,7 +26,10 @@ impl<'a> Textures<'a> {
         let mut of_material = vec![None; scene.body.materials.len()];
         scene.body.textures.iter().enumerate().for_each(|(i, t)| of_material[t.material.0 as usize] = Some(i));
         let lookup = |texture: &'a Texture| {
-            let kind = TexelLayout::Texture(&texture.corners, [texture.columns, texture.rows]);
+            let kind = match &texture.lon_lat {
+                Some(map) => TexelLayout::LonLat(map),
+                None => TexelLayout::Texture(&texture.corners, [texture.columns, texture.rows]),
+            };
             Lookup::of(scene, drawing, kind, None, None, texture.texels)
         };
         let lookups = scene.body.textures.iter().map(lookup).collect();

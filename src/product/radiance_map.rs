@@ -1,7 +1,7 @@
 //! Radiance that was computed elsewhere: where a map's texels lie in a scene, and what they hold.
 
 use crate::error::Result;
-use crate::geometry::Camera;
+use crate::geometry::{Camera, LonLat};
 use crate::spectral::{Band, KnownLight};
 
 /// An image of the scene whose texels are put back onto what they saw.
@@ -76,6 +76,8 @@ pub enum Placement {
     View(Box<ViewImage>),
     /// Texels are pixels of an image that the mesh's texture coordinates address.
     Atlas(Atlas),
+    /// Texels are pixels of a map of all longitudes and latitudes.
+    LonLat(LonLat),
 }
 
 impl Placement {
@@ -86,6 +88,7 @@ impl Placement {
             Placement::Patches(patches) => patches.texels,
             Placement::View(view) => view.size().iter().product(),
             Placement::Atlas(atlas) => atlas.rows * atlas.columns,
+            Placement::LonLat(map) => map.size().iter().product(),
         }
     }
 }

@@ -86,7 +86,7 @@ impl Body {
     #[must_use]
     pub fn part(&self, facets: &[u32]) -> Self {
         let texture = |texture: &Texture| {
-            let corners = facets.iter().map(|facet| texture.corners[*facet as usize]).collect();
+            let corners = facets.iter().filter_map(|facet| texture.corners.get(*facet as usize).copied()).collect();
             Texture { corners, ..texture.clone() }
         };
         let surface = Surface {

@@ -1,7 +1,7 @@
 //! Variation of reflectance inside facets.
 
 use crate::error::number;
-use crate::geometry::{Chart, MaterialId, Mesh, Overlay, Texels};
+use crate::geometry::{Chart, LonLat, MaterialId, Mesh, Overlay, SpaceChart, Texels};
 use crate::physics::reflectance::ALL_LIGHT;
 use crate::spectral::{Band, between};
 
@@ -23,7 +23,9 @@ pub struct Texture {
     pub material: MaterialId,
     /// What its values are.
     pub kind: TextureKind,
-    /// Texel coordinates (column, row; 0 to `columns`, 0 to `rows`) of the corners of every facet; of no meaning for other materials.
+    /// Where texels lie if it is a map of longitudes and latitudes: `columns` and `rows` are those that it [holds](LonLat::size).
+    pub lon_lat: Option<LonLat>,
+    /// If not, texel coordinates (column, row; 0 to `columns`, 0 to `rows`) of the corners of every facet; of no meaning for other materials.
     pub corners: Vec<[[f64; 2]; 3]>,
     /// Lines of texels.
     pub rows: usize,
@@ -65,18 +67,26 @@ impl Texture {
         let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         for facet in (0..mesh.facets.len()).filter(|f| mesh.material[*f] == self.material) {
             let area_m2 = mesh.facet(facet).area_m2();
-            let chart = Chart::affine(&self.corners[facet]);
+            let parts = match &self.lon_lat {
+                Some(map) => {
+                    let corners = mesh.facet(facet).corners_m.map(|corner| corner - map.centre_m);
+                    map.flat_parts(&SpaceChart::of_facet(corners), &triangle)
+                }
+                None => vec![(Chart::affine(&self.corners[facet]), triangle.to_vec())],
+            };
             let mut add = |column: usize, row: usize, share: f64| {
                 let weight = 2.0 * share * area_m2;
                 total += weight;
                 let values = &self.values[(row * size[0] + column) * layers..][..layers];
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
             };
-            match self.texels {
-                Texels::Nearest => overlay.texels(&chart, &triangle, size, add),
-                Texels::Bilinear => overlay.centres(&chart, &triangle, size, |around, _, _| {
-                    around.iter().for_each(|(column, row, share)| add(*column, *row, *share));
-                }),
+            for (chart, part) in &parts {
+                match self.texels {
+                    Texels::Nearest => overlay.texels(chart, part, size, &mut add),
+                    Texels::Bilinear => overlay.centres(chart, part, size, |around, _, _| {
+                        around.iter().for_each(|(column, row, share)| add(*column, *row, *share));
+                    }),
+                }
             }
         }
         sums.iter_mut().for_each(|sum| *sum /= total);
@@ -112,8 +122,14 @@ impl Texture {
                 self.layers()
             ));
         }
-        if self.corners.len() != mesh.facets.len() {
-            return problem(format!("places {} facets of {}", self.corners.len(), mesh.facets.len()));
+        match &self.lon_lat {
+            Some(map) if map.size() != [self.columns, self.rows] => {
+                return problem(format!("{} x {} texels are not {:?}", self.columns, self.rows, map.size()));
+            }
+            None if self.corners.len() != mesh.facets.len() => {
+                return problem(format!("places {} facets of {}", self.corners.len(), mesh.facets.len()));
+            }
+            _ => {}
         }
         if let Some(i) = self.odd_texel() {
             let texel = i / self.layers();
@@ -138,7 +154,8 @@ impl Texture {
         if most * base > ALL_LIGHT {
             problem(format!("makes a reflectance of {}, which is above 1", number(most * base)));
         }
-        let absent = (0..mesh.facets.len())
+        let places = if self.lon_lat.is_some() { 0 } else { mesh.facets.len() };
+        let absent = (0..places)
             .find(|f| mesh.material[*f] == self.material && self.corners[*f].iter().flatten().any(|x| !x.is_finite()));
         if let Some(facet) = absent {
             problem(format!("facet {facet} (counted from 0) has no texture coordinates"));
@@ -155,6 +172,7 @@ mod tests {
         let texture = |wavelength_um: Vec<f64>| Texture {
             material: MaterialId(0),
             kind: TextureKind::Factor,
+            lon_lat: None,
             corners: vec![],
             rows: 1,
             columns: 1,

@@ -886,6 +886,11 @@ fn place(placement: &Placement, texel: usize) -> String {
     match placement {
         Placement::View(view) => in_image(view.size()[0]),
         Placement::Atlas(atlas) => in_image(atlas.columns),
+        // Of the file: without the columns that were added on both sides.
+        Placement::LonLat(map) => {
+            let [held, _] = map.size();
+            format!("(row {}, column {})", texel / held, (texel % held + map.columns - 1) % map.columns)
+        }
         Placement::Facets(_) | Placement::Patches(_) => format!("{texel} (counted from 0)"),
     }
 }

@@ -24,6 +24,7 @@ mod partly_sky;
 mod ortho;
 mod orientation;
 mod plan;
+pub mod portrait;
 mod reading;
 mod resolved_slopes;
 mod sights;

@@ -42,6 +42,7 @@ fn site(towards_sun: [f64; 3]) -> Scene {
             wavelength_um: vec![],
             values: (0..320).map(|i| f64::from((i * 7) % 11) / 11.0).collect(),
             texels: Texels::Nearest,
+            lon_lat: None,
         }];
     })
 }

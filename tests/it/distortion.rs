@@ -169,6 +169,7 @@ fn radiance_of_textures_and_globes_is_conserved_too() {
             wavelength_um: vec![],
             values: (0..256).map(|i| 0.2 + f64::from(i * 37 % 101) / 100.0).collect(),
             texels: Texels::Nearest,
+            lon_lat: None,
         }];
         // One globe before the ground, one behind it, in part.
         parts.sky.bodies =

@@ -65,6 +65,7 @@ mod invariance;
 mod knowledge;
 mod layers;
 mod locate;
+mod lon_lat;
 mod long_inputs;
 mod malformed_scene;
 mod map_files;

@@ -531,6 +531,7 @@ fn facets_that_reach_behind_the_camera_are_mapped_as_they_are_textured() {
         wavelength_um: vec![],
         values: values.clone(),
         texels: Between::Nearest,
+        lon_lat: None,
     };
     let textured = edited(&plain, |scene| scene.surface.textures = vec![texture]);
     let by_texture = study::simulate(&textured, &unwatched).unwrap().1.cube.band(0);

@@ -261,3 +261,38 @@ fn damaged_files_are_errors_and_no_more() {
     }
     assert!(read > 50 && refused > 300, "{read} {refused}");
 }
+
+/// A plate of 10 m x 10 m, and a post of 1 m x 1 m through one of its two triangles: each of the post's 8 side triangles crosses that one.
+#[test]
+fn a_post_through_a_plate_is_counted_and_shown() {
+    let scratch = Scratch::new();
+    let plate = "v -5 -5 0\nv 5 -5 0\nv 5 5 0\nv -5 5 0\nf 1 2 3\nf 1 3 4\n";
+    let ring =
+        |z: f64| [[2.0, -3.0], [3.0, -3.0], [3.0, -2.0], [2.0, -2.0]].map(|[x, y]| format!("v {x} {y} {z}\n")).concat();
+    let sides = "f 5 6 10\nf 5 10 9\nf 6 7 11\nf 6 11 10\nf 7 8 12\nf 7 12 11\nf 8 5 9\nf 8 9 12\n";
+    let obj = scratch.write("a.obj", format!("{plate}{}{}{sides}", ring(-1.0), ring(1.0)));
+    let (obj, picture) = (obj.to_str().unwrap(), scratch.argument("a.png"));
+    let (code, out, err) = run(&["inspect", "--json", obj, "--picture", &picture]);
+    assert_eq!(code, 0, "{out}{err}");
+    let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(json["defects"]["pairs_of_facets_that_cross"], 8);
+    assert_eq!(json["defects"]["more_cross"], false);
+    let mut image = registry::image(&scratch.join("a.png")).unwrap();
+    assert_eq!((image.columns, image.rows, image.bands.len()), (720, 764, 3));
+    // The post is open: from above its inner sides are not seen, of the plate's underside nothing either. Turned over, the plate is red.
+    let is_red = |image: &mut mmxrt::formats::raster::Raster| {
+        let (mut red, mut green) = (vec![], vec![]);
+        image.read(0, &mut red).unwrap();
+        image.read(1, &mut green).unwrap();
+        red.iter().zip(&green).filter(|(r, g)| **r > 2.0 * **g).count()
+    };
+    let before = is_red(&mut image);
+    let over = plate.replace("f 1 2 3\nf 1 3 4", "f 1 3 2\nf 1 4 3");
+    scratch.write("a.obj", format!("{over}{}{}{sides}", ring(-1.0), ring(1.0)));
+    let (code, out, err) = run(&["inspect", obj, "--picture", &picture, "--force"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let after = is_red(&mut registry::image(&scratch.join("a.png")).unwrap());
+    assert!(after > before + 20_000, "{before} {after}");
+    let (code, _, err) = run(&["inspect", obj, "--picture", &scratch.argument("a.svg")]);
+    assert!(code == 1 && err.contains("ends in .png"), "{err}");
+}

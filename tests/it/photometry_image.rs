@@ -264,6 +264,7 @@ fn texture(mesh: &Mesh, kind: TextureKind, value: f64) -> Texture {
         wavelength_um: vec![],
         values: vec![value; 4],
         texels: Texels::Nearest,
+        lon_lat: None,
     }
 }
 

@@ -176,6 +176,7 @@ fn scene_of_all_kinds(seed: u64) -> SceneParts {
             wavelength_um: vec![],
             values: (0..64).map(|_| if uniform(0.0, 1.0) < 0.1 { 0.0 } else { uniform(0.1, 1.0) }).collect(),
             texels: Texels::Nearest,
+            lon_lat: None,
         }];
     }
     if uniform(0.0, 1.0) < 0.4 {

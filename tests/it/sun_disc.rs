@@ -317,6 +317,7 @@ fn what_maps_do_not_know_is_in_penumbra_too() {
             wavelength_um: vec![],
             values: vec![1.0; 400],
             texels: mmxrt::geometry::Texels::Nearest,
+            lon_lat: None,
         }];
     });
     crate::partly_sky::assert_near(&radiance(&textured), &own, 1e-12 * largest);

@@ -28,6 +28,7 @@ fn on_plane(mesh: &Mesh, r: f64, columns: usize, rows: usize, values: Vec<f64>) 
         wavelength_um: vec![],
         values,
         texels: Texels::Nearest,
+        lon_lat: None,
     }
 }
 

@@ -369,7 +369,8 @@ impl Lines {
         pairs: &[(usize, usize)],
     ) {
         // Materials were compared by their names.
-        let Texture { material, kind, corners, rows, columns, wavelength_um, values, texels } = a;
+        let Texture { material, kind, lon_lat, corners, rows, columns, wavelength_um, values, texels } = a;
+        self.debugged(&format!("{at} longitudes and latitudes"), lon_lat, &b.lon_lat);
         self.debugged(&format!("{at} quantity"), kind, &b.kind);
         self.debugged(&format!("{at} between texels"), texels, &b.texels);
         self.lists(&format!("{at} wavelengths, um"), wavelength_um, &b.wavelength_um);
@@ -398,7 +399,8 @@ impl Lines {
             };
             !alike_turned(on_a, on_b, turn)
         };
-        let off: Vec<&(usize, usize)> = pairs.iter().filter(|(i, _)| of_texture(i)).filter(elsewhere).collect();
+        let placed = if lon_lat.is_some() { &[] } else { pairs };
+        let off: Vec<&(usize, usize)> = placed.iter().filter(|(i, _)| of_texture(i)).filter(elsewhere).collect();
         if let Some(&&(i, j)) = off.first() {
             let place = format!("{at} on {} facets, the first", off.len());
             let shown = |t: &Texture, f: usize| format!("facet {f} at texels {:?}", t.corners.get(f));

@@ -403,6 +403,7 @@ fn placement(
         PlacementToml::Camera => ["observer", "sensor", "scene", "occlusion", "sky"].as_slice(),
         PlacementToml::Plane => &["plane", "occlusion", "sky"],
         PlacementToml::Atlas => &["wrap"],
+        PlacementToml::LonLat => &["west_deg"],
         PlacementToml::Facets => &[],
     };
     let given = [
@@ -413,6 +414,7 @@ fn placement(
         ("occlusion", toml.occlusion.is_some()),
         ("sky", toml.sky.is_some()),
         ("wrap", toml.wrap.is_some()),
+        ("west_deg", toml.west_deg.is_some()),
     ];
     for (key, _) in given.into_iter().filter(|(key, is_given)| *is_given && !wanted.contains(key)) {
         reader.problem(key, "does not go with this placement");
@@ -431,6 +433,10 @@ fn placement(
             let (atlas, tiling) =
                 reader.atlas("placement", scene.body.mesh.uv.clone(), [rows, columns], toml.wrap, MOST_TEXELS)?;
             Some((Placement::Atlas(atlas), tiling))
+        }
+        PlacementToml::LonLat => {
+            let (map, tiling) = reader.lon_lat("west_deg", toml.west_deg, [rows, columns], MOST_TEXELS)?;
+            Some((Placement::LonLat(map), Some(tiling)))
         }
         PlacementToml::Camera => {
             let camera = camera(reader, toml, rows, columns, watch)?;

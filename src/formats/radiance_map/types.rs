@@ -44,6 +44,8 @@ pub(super) struct MapToml {
     pub(super) plane: Option<PlaneToml>,
     /// For `placement = "atlas"`: how the image continues beyond its border. Default: not at all.
     pub(super) wrap: Option<WrapToml>,
+    /// For `placement = "lonlat"`: east longitude of the outer border of the map's first column, deg, mostly 0 or -180.
+    pub(super) west_deg: Option<f64>,
     /// For a camera or a plane: whether surface hidden from it is unknown (the default); if not, the image is
     /// projected through everything.
     pub(super) occlusion: Option<bool>,
@@ -148,4 +150,7 @@ pub(super) enum PlacementToml {
     Camera,
     /// Squares of a plane, put onto the scene along one direction.
     Plane,
+    /// By longitude and latitude: columns go once around the body, to the East, rows from the North pole to the South pole in equal steps of
+    /// planetocentric latitude.
+    LonLat,
 }

@@ -21,6 +21,11 @@ pub(in crate::formats) struct Tiling {
 }
 
 impl Tiling {
+    /// An image of one more column on each side: that of the other end.
+    pub(in crate::formats) fn around([rows, columns]: [usize; 2]) -> Self {
+        Tiling { image: [rows, columns], size: [rows, columns + 2], before: [0, 1] }
+    }
+
     /// The larger image, line by line, of a value for each texel of the image.
     pub(in crate::formats) fn expanded(&self, values: &[f64], all: &mut Vec<f64>) {
         let [rows, columns] = self.image;

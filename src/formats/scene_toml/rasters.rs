@@ -13,7 +13,7 @@ use super::types::{
 };
 use super::{Tiling, TomlReader};
 use crate::error::number;
-use crate::geometry::{Camera, Direction, MaterialId, Mesh, NO_UV, ParallelCamera, Texels, body_from_site};
+use crate::geometry::{Camera, Direction, LonLat, MaterialId, Mesh, NO_UV, ParallelCamera, Texels, body_from_site};
 use crate::product::Atlas;
 use crate::report::Fate;
 use crate::scene::{FARTHEST_M, Texture, TextureKind};
@@ -320,8 +320,20 @@ impl TomlReader<'_> {
         let wavelength_um = order.iter().filter_map(|i| in_file_um.get(*i).copied()).collect();
         let mut rank = vec![0; layers];
         order.iter().enumerate().for_each(|(rank_of, i)| rank[*i] = rank_of);
-        let (Atlas { corners, rows, columns }, tiling) =
-            self.texture_corners(&item, material, id, toml, mesh, &rasters[0])?;
+        let (lon_lat, (Atlas { corners, rows, columns }, tiling)) = match toml.placement {
+            TexturePlacementToml::LonLat => {
+                self.goes_without(&item, "plane", toml.plane.is_some())?;
+                self.goes_without(&item, "wrap", toml.wrap.is_some())?;
+                let of_image = [rasters[0].rows, rasters[0].columns];
+                let (map, tiling) = self.lon_lat(&at("west_deg"), toml.west_deg, of_image, MOST_VALUES)?;
+                let [columns, rows] = map.size();
+                (Some(map), (Atlas { corners: vec![], rows, columns }, Some(tiling)))
+            }
+            TexturePlacementToml::Atlas | TexturePlacementToml::Plane => {
+                self.goes_without(&item, "west_deg", toml.west_deg.is_some())?;
+                (None, self.texture_corners(&item, material, id, toml, mesh, &rasters[0])?)
+            }
+        };
         if (rows * columns).saturating_mul(layers) > MOST_VALUES {
             let message = format!("{columns} x {rows} texels of {layers} layers are more than can be held in memory");
             self.problem(&at("raster"), message);
@@ -355,7 +367,7 @@ impl TomlReader<'_> {
         };
         // Materials beyond those that facets can have have no facet either.
         let material = MaterialId(u16::try_from(id).ok()?);
-        let mut texture = Texture { material, kind, corners, rows, columns, wavelength_um, values, texels };
+        let mut texture = Texture { material, kind, lon_lat, corners, rows, columns, wavelength_um, values, texels };
         let to_one = toml.mean.map_or(kind == TextureKind::Factor, |mean| mean == MeanToml::One);
         // A texel that is not a number is reported as such, not through the mean.
         if to_one && texture.odd_texel().is_none() {
@@ -388,6 +400,39 @@ impl TomlReader<'_> {
             );
         }
         Some(texture)
+    }
+
+    /// Refuses a key that has no meaning for the placement.
+    fn goes_without(&mut self, item: &str, key: &str, is_given: bool) -> Option<()> {
+        if is_given {
+            self.problem(&member(item, key), "does not go with this placement");
+        }
+        (!is_given).then_some(())
+    }
+
+    /// A map of all longitudes and latitudes, of an image of `[rows, columns]`; and the image that is held.
+    pub(in crate::formats) fn lon_lat(
+        &mut self,
+        item: &str,
+        west_deg: Option<f64>,
+        [rows, columns]: [usize; 2],
+        most_texels: usize,
+    ) -> Option<(LonLat, Tiling)> {
+        let Some(west_deg) = west_deg else {
+            let help = "0 if it goes from 0 to 360, -180 if from -180 to 180";
+            self.helped(item, "is missing: it says at which longitude the map's first column begins", help);
+            return None;
+        };
+        if !(-360.0..=360.0).contains(&west_deg) {
+            self.problem(item, format!("is {} deg: expected -360 to 360", number(west_deg)));
+            return None;
+        }
+        if rows.saturating_mul(columns.saturating_add(2)) > most_texels {
+            self.problem(item, format!("a map of {columns} x {rows} texels is more than can be held in memory"));
+            return None;
+        }
+        let map = LonLat { centre_m: -self.origin_m, west_deg, columns, rows };
+        Some((map, Tiling::around([rows, columns])))
     }
 
     /// Texel coordinates of all facets' corners.
@@ -438,6 +483,8 @@ impl TomlReader<'_> {
                 let uv = mesh.uv.iter().enumerate().map(own).collect();
                 self.atlas(&member(item, "placement"), uv, [raster.rows, raster.columns], toml.wrap, most)
             }
+            // It has no coordinates of corners.
+            (TexturePlacementToml::LonLat, _) => None,
         }
     }
 }

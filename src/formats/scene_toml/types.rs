@@ -382,6 +382,8 @@ pub(crate) struct TextureToml {
     pub(crate) plane: Option<PlaneToml>,
     /// For `placement = "atlas"`: how the image continues beyond its border. Default: not at all.
     pub(crate) wrap: Option<WrapToml>,
+    /// For `placement = "lonlat"`: east longitude of the outer border of the map's first column, deg, mostly 0 or -180.
+    pub(crate) west_deg: Option<f64>,
     /// Whether factors are divided by their mean over the material's facets, so that it is 1 ("one", the default for factors), or
     /// stay as they are ("kept", the default for reflectances).
     pub(crate) mean: Option<MeanToml>,
@@ -430,6 +432,9 @@ pub(crate) enum TexturePlacementToml {
     Atlas,
     /// On squares of a plane, put onto the scene along one direction.
     Plane,
+    /// By longitude and latitude: columns go once around the body, to the East, rows from the North pole to the South pole in equal steps of
+    /// planetocentric latitude.
+    LonLat,
 }
 
 /// How an image continues beyond its border.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::geometry::polygon::Point;
-use crate::geometry::{Chart, Facet, Projection};
+use crate::geometry::{Chart, Facet, Projection, SpaceChart};
 use crate::visibility::{OnFacet, View};
 
 /// Of an image that `projection` makes of the facet.
@@ -26,6 +26,18 @@ pub(super) fn of_projection(projection: &Projection, view: &View, facet: &Facet)
 
 /// Of a texture, whose texel coordinates at the facet's corners are `corners`.
 pub(super) fn of_corners(corners: &[Point; 3], on_facet: &OnFacet) -> Option<Chart> {
+    let ([s, t], w) = of_coordinates(corners, on_facet)?;
+    Some(Chart { s, t, w })
+}
+
+/// Of places in space: those of the facet's corners.
+pub(super) fn of_places(corners_m: [DVec3; 3], on_facet: &OnFacet) -> Option<SpaceChart> {
+    let (place_m, w) = of_coordinates(&corners_m.map(|corner| corner.to_array()), on_facet)?;
+    Some(SpaceChart { place_m, w })
+}
+
+/// Linear forms over w of what is affine over the facet, given at its corners; and w.
+fn of_coordinates<const N: usize>(corners: &[[f64; N]; 3], on_facet: &OnFacet) -> Option<([[f64; 3]; N], [f64; 3])> {
     let OnFacet::Pinhole { a, to_b, to_c, centre } = on_facet else { return None };
     // (u, v) = (-p.a, ray.q) / p.to_b with p = ray x to_c and q = to_b x a: see `OnFacet::uv`.
     let u_numerator = -to_c.cross(*a);
@@ -35,12 +47,11 @@ pub(super) fn of_corners(corners: &[Point; 3], on_facet: &OnFacet) -> Option<Cha
         let [a, b, c] = [corners[0][k], corners[1][k], corners[2][k]];
         a * denominator + (b - a) * u_numerator + (c - a) * v_numerator
     };
-    // Rows, over the ray (x - cx, y - cy, 1).
-    let rows = [affine(0), affine(1), denominator];
     let sign = if denominator.dot(*a + (*to_b + *to_c) / 3.0) < 0.0 { -1.0 } else { 1.0 };
-    let [s, t, w] = rows.map(|r| {
+    // Over the ray (x - cx, y - cy, 1).
+    let form = |r: DVec3| {
         let r = r * sign;
         [r.x, r.y, r.z - r.x * centre[0] - r.y * centre[1]]
-    });
-    Some(Chart { s, t, w })
+    };
+    Some((std::array::from_fn(|k| form(affine(k))), form(denominator)))
 }

@@ -1,11 +1,11 @@
 //! One map, or texture: which of its texels lie in what is seen of a facet.
 
 use super::MapView;
-use super::charts::{of_corners, of_projection};
-use super::lens::MapLens;
+use super::charts::{of_corners, of_places, of_projection};
+use super::lens::{FlatPart, MapLens};
 use super::sums::TexelSums;
 use crate::geometry::polygon::{Point, area, side, split};
-use crate::geometry::{Chart, Overlay, Projection, Texels, index_u32};
+use crate::geometry::{Chart, LonLat, Overlay, Projection, Texels, index_u32};
 use crate::integrate::parts::{Parts, Polygons, Window, on_facet};
 use crate::integrate::pixel::Pixel;
 use crate::product::{Patches, Placement, ViewImage};
@@ -72,6 +72,8 @@ pub(in crate::integrate) enum TexelLayout<'a> {
     View(&'a ViewImage, Box<Projection>, Option<&'a Seen>),
     /// By the texel coordinates of facets' corners; columns and rows.
     Texture(&'a [[[f64; 2]; 3]], [usize; 2]),
+    /// By longitude and latitude.
+    LonLat(&'a LonLat),
 }
 
 impl<'a> Lookup<'a> {
@@ -87,6 +89,7 @@ impl<'a> Lookup<'a> {
             Placement::Patches(patches) => TexelLayout::Patches(patches),
             Placement::View(image) => TexelLayout::View(image, Box::new(image.camera.projection()), view.eye),
             Placement::Atlas(atlas) => TexelLayout::Texture(&atlas.corners, [atlas.columns, atlas.rows]),
+            Placement::LonLat(map) => TexelLayout::LonLat(map),
         };
         let lens = match view.placement {
             Placement::View(image) => MapLens::of(&image.camera),
@@ -178,11 +181,26 @@ impl<'a> Lookup<'a> {
     /// Divides a convex part of a facet's image into convex parts that the map knows and others that it does not: `put(is_known, part)`.
     pub(in crate::integrate) fn divide(&mut self, facet: u32, part: &[Point], mut put: impl FnMut(bool, Vec<Point>)) {
         let chart = self.chart(facet);
-        let Some((lens, chart)) = self.lens.as_ref().zip(chart) else {
-            return self.divide_by(chart, facet, part, &mut put);
-        };
-        for (chart, part) in lens.flat_parts(&chart, part) {
-            self.divide_by(chart, facet, &part, &mut put);
+        match self.flat_parts(chart.as_ref(), facet, part) {
+            None => self.divide_by(chart, facet, part, &mut put),
+            Some(parts) => {
+                parts.into_iter().for_each(|(chart, part)| self.divide_by(chart, facet, &part, &mut put));
+            }
+        }
+    }
+
+    /// The parts over which texels are affine, and how; `None` if they are over the whole, by its `chart`.
+    fn flat_parts(&self, chart: Option<&Chart>, facet: u32, part: &[Point]) -> Option<Vec<FlatPart>> {
+        match (&self.kind, &self.lens, chart) {
+            (TexelLayout::LonLat(map), ..) => {
+                let mesh = &self.scene.body.mesh;
+                let corners = mesh.facet(facet as usize).corners_m.map(|corner| corner - map.centre_m);
+                let space = of_places(corners, &on_facet(mesh, &self.drawing.view, facet));
+                let parts = space.map(|space| map.flat_parts(&space, part)).unwrap_or_default();
+                Some(parts.into_iter().map(|(chart, part)| (Some(chart), part)).collect())
+            }
+            (_, Some(lens), Some(chart)) => Some(lens.flat_parts(chart, part)),
+            _ => None,
         }
     }
 
@@ -200,7 +218,7 @@ impl<'a> Lookup<'a> {
                     known.is_none_or(|known| known[texels[i] as usize])
                 });
             }
-            TexelLayout::View(..) | TexelLayout::Texture(..) => {
+            TexelLayout::View(..) | TexelLayout::Texture(..) | TexelLayout::LonLat(_) => {
                 let Some(chart) = chart else { return put(false, part.to_vec()) };
                 let size = self.size();
                 let [width, height] = size.map(|n| n as f64);
@@ -285,6 +303,7 @@ impl<'a> Lookup<'a> {
         match &self.kind {
             TexelLayout::View(image, ..) => image.size(),
             TexelLayout::Texture(_, size) => *size,
+            TexelLayout::LonLat(map) => map.size(),
             TexelLayout::Facets | TexelLayout::Patches(_) => [0, 0],
         }
     }
@@ -314,13 +333,13 @@ impl<'a> Lookup<'a> {
                 });
                 return;
             }
-            TexelLayout::View(..) | TexelLayout::Texture(..) => {}
+            TexelLayout::View(..) | TexelLayout::Texture(..) | TexelLayout::LonLat(_) => {}
         }
-        let Some(chart) = self.chart(facet) else { return };
-        match &self.lens {
-            None => self.lay_by(&chart, facet, part, (times, light)),
-            Some(lens) => {
-                for (chart, part) in lens.flat_parts(&chart, part) {
+        let chart = self.chart(facet);
+        match self.flat_parts(chart.as_ref(), facet, part) {
+            None => chart.iter().for_each(|chart| self.lay_by(chart, facet, part, (times, light))),
+            Some(parts) => {
+                for (chart, part) in parts {
                     chart.iter().for_each(|chart| self.lay_by(chart, facet, &part, (times, light)));
                 }
             }
@@ -387,7 +406,7 @@ impl<'a> Lookup<'a> {
         let chart = match &self.kind {
             TexelLayout::View(_, projection, _) => of_projection(projection, view, &mesh.facet(facet as usize)),
             TexelLayout::Texture(corners, _) => of_corners(&corners[facet as usize], &on_facet(mesh, view, facet)),
-            TexelLayout::Facets | TexelLayout::Patches(_) => None,
+            TexelLayout::Facets | TexelLayout::Patches(_) | TexelLayout::LonLat(_) => None,
         };
         self.chart = chart.map(|chart| (facet, chart));
         chart
