@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use mmxrt::Result;
-use mmxrt::formats::convert::{self, Content, Conversion, Finding, Options, Severity};
+use mmxrt::formats::convert::{self, Content, Conversion, Finding, Options, Repairs, Severity};
 use mmxrt::formats::mesh_file::{NamedPose, Up};
 use mmxrt::formats::raster::DataType;
 use mmxrt::formats::{Format, registry};
@@ -61,6 +61,18 @@ pub(crate) struct Arguments {
     /// Flip all facets of a mesh that is inside out
     #[arg(long)]
     flip: bool,
+    /// Make one vertex of a mesh's vertices at one place, or that are no farther apart than this, m
+    #[arg(long, value_name = "M", num_args = 0..=1, require_equals = true, value_parser = distance)]
+    weld: Option<Option<f64>>,
+    /// Cut facets of a mesh at corners of others that lie on their edges
+    #[arg(long)]
+    t_junctions: bool,
+    /// Make a mesh's facets face outwards, and neighbours the same way
+    #[arg(long)]
+    outward: bool,
+    /// Leave at most so many facets of a mesh; how far that is off is measured and reported
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    decimate: Option<u32>,
     /// Take N more copies of a repeated DART scene on each side: (2 N + 1)^2 scenes
     #[arg(long, value_name = "N", default_value_t = 0)]
     repeat: u32,
@@ -167,6 +179,11 @@ fn bands(text: &str) -> std::result::Result<Bands, String> {
     Ok(Bands((0..count).map(|i| Band::new(centre_um(i), fwhm_um)).collect()))
 }
 
+fn distance(text: &str) -> std::result::Result<f64, String> {
+    let metres = text.parse().map_err(|_| "a number of metres".to_owned())?;
+    if metres > 0.0 && f64::is_finite(metres) { Ok(metres) } else { Err("a distance above 0".into()) }
+}
+
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let options = Options {
         from: arguments.from,
@@ -179,6 +196,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         up: arguments.up,
         pose: arguments.pose,
         flip: arguments.flip,
+        repairs: Repairs {
+            weld: arguments.weld,
+            t_junctions: arguments.t_junctions,
+            outward: arguments.outward,
+            decimate: arguments.decimate.map(|facets| facets as usize),
+        },
         repeat: arguments.repeat,
         blender: arguments.blender.clone(),
         scratch: Some(std::env::temp_dir()),

@@ -14,8 +14,8 @@ use mmxrt::formats::mtl::{self, ObjMaterial};
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
-    envi, ephemeris, exposures_csv, exr_cube, flight_doubts, mesh_picture, npz, pixel, product_folder, radiance_map,
-    recipe_toml, registry, spice,
+    envi, ephemeris, exposures_csv, exr_cube, flight_doubts, npz, pixel, product_folder, radiance_map, recipe_toml,
+    registry, spice,
 };
 use mmxrt::geometry::Defects;
 use mmxrt::job::{self, CurveSheet, FlightFacts, PartFacts, SurfaceFacts, Survey};
@@ -120,8 +120,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             let facts = inspect(path, found, console)?;
             if let Some(target) = &arguments.picture {
                 super::settle(target, console)?;
-                let file = registry::mesh(path, true)?;
-                mesh_picture::write(&file.surface.mesh, target, arguments.force, path)?;
+                job::draw_mesh(path, target, arguments.force)?;
             }
             facts
         }

@@ -3,16 +3,13 @@
 //! Decided by the signs of exact determinants (Shewchuk 1997), without a tolerance. What only touches does not cross: a box on its ground,
 //! a corner on its neighbour's edge.
 
-use std::ops::Range;
-
 use glam::DVec3;
 use rayon::prelude::*;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-use super::{Mesh, index_u32};
+use super::Mesh;
+use super::box_tree::{BoxTree, bounds};
 
-/// Leaves hold at most this many facets.
-const LEAF: usize = 8;
 /// So many pairs of boxes are looked at in all, at most: where facets lie on one another in heaps, their number would be the square.
 const MOST_PAIRS: usize = 1 << 30;
 
@@ -25,95 +22,33 @@ pub struct Crossings {
     pub at_least: bool,
 }
 
-/// A box around facets, a leaf of some of them or with two boxes within: the next one, and that at `second`.
-#[derive(Debug, Clone, Copy)]
-struct Node {
-    low: DVec3,
-    high: DVec3,
-    /// Facets of a leaf, in the order of the tree.
-    facets: (u32, u32),
-    /// 0 for a leaf.
-    second: u32,
-}
-
 impl Crossings {
     /// Counts them. Facets of the same three vertices, and those without an area, are no pair.
     pub fn of(mesh: &Mesh) -> Self {
-        let has_area = |facet: &u32| mesh.facet(*facet as usize).cross_m2() != DVec3::ZERO;
-        let mut order: Vec<u32> = (0..index_u32(mesh.facets.len())).into_par_iter().filter(has_area).collect();
-        let mut nodes = Vec::new();
-        if order.len() < 2 {
-            return Crossings::default();
-        }
-        let count = order.len();
-        build(mesh, &mut order, 0..count, &mut nodes);
-        let most = MOST_PAIRS / count;
+        let tree = BoxTree::new(mesh);
+        let most = MOST_PAIRS / tree.facets().len().max(1);
         let of_one = |facet: &u32| {
             let (mut found, mut looked) = (Crossings::default(), 0);
             let own = corners(mesh, *facet);
-            let (low, high) = bounds(own);
-            let mut open = vec![0_u32];
-            while let Some(at) = open.pop() {
-                let node = &nodes[at as usize];
-                if node.low.cmpgt(high).any() || node.high.cmplt(low).any() {
-                    continue;
-                }
-                if node.second > 0 {
-                    open.extend([node.second, at + 1]);
-                    continue;
-                }
-                for other in &order[node.facets.0 as usize..node.facets.1 as usize] {
-                    // Each pair once.
-                    if other <= facet {
-                        continue;
-                    }
+            tree.near(bounds(own), |other| {
+                // Each pair once.
+                if other > *facet {
                     looked += 1;
-                    if looked > most {
-                        found.at_least = true;
-                        return found;
-                    }
-                    found.pairs += usize::from(cross(own, corners(mesh, *other)));
+                    found.pairs += usize::from(cross(own, corners(mesh, other)));
+                    found.at_least = looked > most;
                 }
-            }
+                !found.at_least
+            });
             found
         };
         let both =
             |a: Crossings, b: Crossings| Crossings { pairs: a.pairs + b.pairs, at_least: a.at_least || b.at_least };
-        order.par_iter().map(of_one).reduce(Crossings::default, both)
+        tree.facets().par_iter().map(of_one).reduce(Crossings::default, both)
     }
 }
 
 fn corners(mesh: &Mesh, facet: u32) -> [DVec3; 3] {
     mesh.facet(facet as usize).corners_m
-}
-
-fn bounds([a, b, c]: [DVec3; 3]) -> (DVec3, DVec3) {
-    (a.min(b).min(c), a.max(b).max(c))
-}
-
-/// Divides facets at the median of their middles, along the longest side of their box.
-fn build(mesh: &Mesh, order: &mut [u32], range: Range<usize>, nodes: &mut Vec<Node>) {
-    let part = &mut order[range.clone()];
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for facet in part.iter() {
-        let (l, h) = bounds(corners(mesh, *facet));
-        (low, high) = (low.min(l), high.max(h));
-    }
-    let at = nodes.len();
-    nodes.push(Node { low, high, facets: (index_u32(range.start), index_u32(range.end)), second: 0 });
-    if part.len() <= LEAF {
-        return;
-    }
-    let axis = (high - low).max_position();
-    let middle = part.len() / 2;
-    let key = |facet: &u32| {
-        let [a, b, c] = corners(mesh, *facet);
-        a[axis] + b[axis] + c[axis]
-    };
-    part.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-    build(mesh, order, range.start..range.start + middle, nodes);
-    nodes[at].second = index_u32(nodes.len());
-    build(mesh, order, range.start + middle..range.end, nodes);
 }
 
 /// Whether two triangles share more than where they touch.
@@ -181,6 +116,7 @@ mod tests {
     use glam::Vec3Swizzles as _;
 
     use super::*;
+    use crate::geometry::index_u32;
 
     fn triangle(corners: [[f64; 3]; 3]) -> [DVec3; 3] {
         corners.map(DVec3::from_array)

@@ -3,6 +3,8 @@
 //! Over a facet longitude and latitude are no affine functions of the place. A part of it is divided until they are, as good as exact; at a pole,
 //! where no longitude is, until next to nothing is left. Nothing depends on how large a facet is, or on whether a pole is in it.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::DVec3;
 
 use super::polygon::{Point, Rect, area, clip_to_rect, split};
@@ -10,6 +12,8 @@ use super::{Chart, latitude_longitude_deg};
 
 /// What an affine map may be off by, texels: as much of a texel's border at most goes to its neighbour.
 const FLAT: f64 = 2e-3;
+/// And rad: of a coarse map that is less.
+const FLAT_RAD: f64 = 1e-4;
 /// A part that is not flat, and a smaller share of all than this, is taken for its middle.
 const LEAST: f64 = 1e-6;
 /// Parts are quartered no more often.
@@ -78,7 +82,8 @@ impl LonLat {
             return self.at_the_seam(chart, part, parts);
         }
         // No area, or one that is no number, ends here too.
-        if depth == DEEPEST || !(area(part) > least) {
+        let is_worth_dividing = area(part) > least;
+        if depth == DEEPEST || !is_worth_dividing {
             let [column, row] = self.texel(space.at(middle(part)));
             let times = |texel: f64| space.w.map(|w| texel * w);
             return parts.push((Chart { s: times(column), t: times(row), w: space.w }, part.to_vec()));
@@ -105,20 +110,21 @@ impl LonLat {
         let east = DVec3::new(-place.y, place.x, 0.0) / (from_axis * from_axis);
         let north = DVec3::new(-place.x * place.z, -place.y * place.z, from_axis * from_axis)
             / (from_axis * from_centre * from_centre);
-        let columns = self.columns as f64 / std::f64::consts::TAU * east;
-        let rows = -(self.rows as f64) / std::f64::consts::PI * north;
+        let columns = self.columns as f64 / TAU * east;
+        let rows = -(self.rows as f64) / PI * north;
         // texel + slope . (p - place), times w.
         let affine = |at: f64, slope: DVec3| {
             let constant = at - slope.dot(place);
             [0, 1, 2].map(|i| (0..3).map(|k| slope[k] * space.place_m[k][i]).sum::<f64>() + constant * space.w[i])
         };
         let chart = Chart { s: affine(texel[0], columns), t: affine(texel[1], rows), w: space.w };
+        let most = [self.columns as f64 / TAU, self.rows as f64 / PI].map(|per_rad| FLAT.min(FLAT_RAD * per_rad));
         let is_near = |p: &Point| {
             let ([column, row], Some(near)) = (self.texel(space.at(*p)), chart.at(*p)) else { return false };
             // Once around more or less is the same longitude.
             let off = column - near[0];
             let off = off - self.columns as f64 * (off / self.columns as f64).round();
-            off.abs() <= FLAT && (row - near[1]).abs() <= FLAT
+            off.abs() <= most[0] && (row - near[1]).abs() <= most[1]
         };
         // Not so far that it could be around the axis.
         let is_narrow =

@@ -1,5 +1,6 @@
 //! Pure shapes in f64: they know no light, file or sensor.
 
+mod box_tree;
 pub mod cell;
 pub mod coplanar;
 mod camera;
@@ -19,6 +20,7 @@ mod planetocentric;
 mod polynomial;
 pub mod polygon;
 mod pose;
+pub mod repair;
 mod solid_angle;
 mod sphere_image;
 mod vectors;

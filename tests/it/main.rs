@@ -99,6 +99,7 @@ mod raster;
 mod raster_convert;
 mod referees;
 mod renderers;
+mod repairs;
 mod report;
 mod sampler;
 mod scene_files;

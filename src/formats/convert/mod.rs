@@ -7,6 +7,7 @@
 
 mod compare;
 mod dart;
+mod repairs;
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -48,6 +49,7 @@ pub use super::coloured_mesh::Placing;
 pub use super::dart::{Finding, Severity};
 pub use compare::differences;
 pub use dart::check;
+pub use repairs::Repairs;
 
 use self::dart::Flights;
 
@@ -74,6 +76,8 @@ pub struct Options {
     pub pose: Option<NamedPose>,
     /// Whether the facets of a mesh are turned over.
     pub flip: bool,
+    /// What is mended in a mesh.
+    pub repairs: Repairs,
     /// Copies of a repeated DART scene that are taken on each side.
     pub repeat: u32,
     /// The program that reads files of Blender; `blender` if not given.
@@ -263,6 +267,10 @@ fn without_effect(options: &Options, from: &Format, to: &Format) -> Result<()> {
     only(options.unit_m.is_some(), "--unit-m", is_mesh, "a mesh as input");
     only(options.up.is_some(), "--up", is_mesh, "a mesh as input");
     only(options.flip, "--flip", is_mesh, "a mesh as input");
+    only(options.repairs.weld.is_some(), "--weld", is_mesh, "a mesh as input");
+    only(options.repairs.t_junctions, "--t-junctions", is_mesh, "a mesh as input");
+    only(options.repairs.outward, "--outward", is_mesh, "a mesh as input");
+    only(options.repairs.decimate.is_some(), "--decimate", is_mesh, "a mesh as input");
     let is_placed = is_mesh && (is_scene(to) || *to == SIMULATION);
     only(options.pose.is_some(), "--pose", is_placed, "a mesh as input and a scene or DART as output");
     only(options.step_s.is_some(), "--step-s", to.is_flight(), "trajectories and orientations");
@@ -356,7 +364,9 @@ fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<Content
             for notes in [&mut file.report.notes, &mut file.material_doubts, &mut file.doubts] {
                 report.notes.append(notes);
             }
-            (Content::Mesh(file.surface.placed(&placing, (file.up, file.unit_m))), report)
+            let mut surface = file.surface.placed(&placing, (file.up, file.unit_m));
+            options.repairs.mend(&mut surface.mesh, &path, &mut report);
+            (Content::Mesh(surface), report)
         }
         Holds::Simulation => {
             let (scene, flights, report, inputs) = dart::read(&path, options, watch)?;

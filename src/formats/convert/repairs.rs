@@ -1,0 +1,74 @@
+//! What is mended in a mesh on its way, where it is asked for, and what is told of it.
+
+use std::path::Path;
+
+use crate::error::{Location, number};
+use crate::geometry::Mesh;
+use crate::geometry::repair::{decimate, outward, t_junctions, weld};
+use crate::report::{Fate, Report};
+
+/// What to mend, in this order. If anything is, vertices at one place become one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Repairs {
+    /// Make one vertex of those that are at one place, or no farther apart than this, m.
+    pub weld: Option<Option<f64>>,
+    /// Cut facets at corners of others that lie on their edges.
+    pub t_junctions: bool,
+    /// Make facets face outwards, and neighbours the same way.
+    pub outward: bool,
+    /// Leave at most so many facets.
+    pub decimate: Option<usize>,
+}
+
+impl Repairs {
+    /// Whether anything is to be mended.
+    pub(super) fn is_any(&self) -> bool {
+        *self != Repairs::default()
+    }
+
+    /// Mends a mesh that comes from a file.
+    pub(super) fn mend(&self, mesh: &mut Mesh, path: &Path, report: &mut Report) {
+        if !self.is_any() {
+            return;
+        }
+        let mut told = |fate: Fate, message: String| report.note(fate, Location::file(path).with_item("mesh"), message);
+        let within_m = self.weld.flatten();
+        let welded = weld(mesh, within_m);
+        if welded.vertices > 0 {
+            let (fate, where_to) = match within_m {
+                Some(m) => (Fate::Approximated, format!("within {} m of another", number(m))),
+                None => (Fate::Defaulted, "at the place of another".to_owned()),
+            };
+            let gone =
+                if welded.facets > 0 { format!("; {} facets are gone by that", welded.facets) } else { String::new() };
+            told(fate, format!("{} vertices {where_to} became that{gone}", welded.vertices));
+        }
+        if self.t_junctions {
+            let corners = t_junctions(mesh);
+            told(Fate::Defaulted, format!("facets were cut at {corners} corners that lay on their edges"));
+        }
+        if self.outward {
+            let turned = outward(mesh);
+            let parts = if turned.parts == 1 { "one part".to_owned() } else { format!("{} parts", turned.parts) };
+            told(Fate::Defaulted, format!("{} facets of {parts} were turned over", turned.facets));
+            if turned.twisted_edges > 0 {
+                let message =
+                    format!("{} edges stay where facets turn over: the surface has one side", turned.twisted_edges);
+                told(Fate::Approximated, message);
+            }
+        }
+        if let Some(facets) = self.decimate {
+            let before = mesh.facets.len();
+            let had_uv = !mesh.uv.is_empty();
+            let done = decimate(mesh, facets);
+            let message = format!(
+                "{before} facets became {}: corners and middles of facets of one surface are at most {:.3e} m from the other, both ways",
+                done.facets, done.farthest_m
+            );
+            told(Fate::Approximated, message);
+            if had_uv {
+                told(Fate::Dropped, "texture coordinates, which decimation does not keep".into());
+            }
+        }
+    }
+}
