@@ -86,6 +86,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
             .map(|i| if (i % (2 * HALF) + i / (2 * HALF)).is_multiple_of(2) { 1.0 } else { 0.0 })
             .collect(),
         texels: Texels::Nearest,
+        lon_lat: None,
     };
     let grey = Material {
         name: "ground".into(),

@@ -66,7 +66,7 @@ impl Repairs {
                 done.facets, done.farthest_m
             );
             told(Fate::Approximated, message);
-            if had_uv {
+            if had_uv && mesh.uv.is_empty() {
                 told(Fate::Dropped, "texture coordinates, which decimation does not keep".into());
             }
         }

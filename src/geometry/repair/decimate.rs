@@ -80,6 +80,9 @@ struct Work {
 /// Leaves at most so many facets, if that can be had without turning any over or opening what is closed. Texture coordinates are lost; vertices at one
 /// place must be one.
 pub fn decimate(mesh: &mut Mesh, facets: usize) -> Decimated {
+    if mesh.facets.len() <= facets {
+        return Decimated { facets: mesh.facets.len(), farthest_m: 0.0 };
+    }
     let before = mesh.clone();
     // About the middle, so that squares keep their digits.
     let (low, high) = mesh.bounds_m().unwrap_or_default();
@@ -111,7 +114,12 @@ pub fn decimate(mesh: &mut Mesh, facets: usize) -> Decimated {
             }
         }
     }
-    mesh.vertices_m = work.at.iter().map(|at| *at + middle).collect();
+    // What stayed where it was keeps its digits.
+    for (vertex, (at, moved)) in mesh.vertices_m.iter_mut().zip(work.at.iter().zip(&work.moved)) {
+        if *moved > 0 {
+            *vertex = *at + middle;
+        }
+    }
     mesh.facets.clone_from(&work.facets);
     mesh.uv.clear();
     mesh.face_of_facet.clear();
