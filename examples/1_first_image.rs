@@ -7,7 +7,7 @@
 
 use glam::{DMat3, DVec3};
 use mmxrt::geometry::{Direction, FrameCamera, Pose};
-use mmxrt::landscape::{self, Recipe};
+use mmxrt::landscape::{self, Recipe, Sources};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{Exposure, Material, Models, Photometry, SceneParts, Sky, Spectrometer, Sun, Surface, Thermal};
 use mmxrt::spectral::{Band, Extend, Spectrum, solar_e490};
@@ -16,14 +16,14 @@ use mmxrt::{Result, study};
 
 fn main() -> Result<()> {
     // 2 x 2 km of craters and boulders from a seed; x east, y north, z up. The same seed always makes the same mesh.
-    let landscape = landscape::generate(&Recipe { facets: 20_000, ..Recipe::new(7) }, &|_| true)?;
+    let landscape = landscape::generate(&Recipe { facets: 20_000, ..Recipe::new(7) }, &Sources::default(), &|_| true)?;
 
     // The ground reflects more at longer waves, the boulders the same everywhere. A Lambert surface each.
     let red = Spectrum::new(vec![0.9, 4.0], vec![0.06, 0.10], Extend::Error).expect("wavelengths ascend");
     let reflectances = [red, Spectrum::constant(0.08)];
-    let materials = (landscape::MATERIALS.into_iter().zip(reflectances).enumerate())
-        .map(|(i, ((name, _), reflectance))| Material {
-            name: name.to_owned(),
+    let materials = (landscape.materials.iter().zip(reflectances).enumerate())
+        .map(|(i, (made, reflectance))| Material {
+            name: made.name.clone(),
             photometry: Photometry::Lambert,
             emissivity: reflectance.map(|r| 1.0 - r), // Kirchhoff
             reflectance,

@@ -496,7 +496,7 @@ fn map_file(path: &Path) -> Result<Facts> {
 }
 
 fn recipe(path: &Path) -> Result<Facts> {
-    let (recipe, _) = recipe_toml::read(path)?;
+    let recipe = recipe_toml::read(path)?.recipe;
     Ok(vec![
         ("kind", json!("landscape recipe")),
         ("seed", json!(recipe.seed)),

@@ -229,7 +229,9 @@ impl Document {
 
     /// What the text is, if it is of another kind than the schema's by the key that identifies its kind.
     fn of_other_kind(&self, schema: &Value) -> Option<&'static str> {
-        let is_of_schema = |key: &str| schema["properties"].get(key).is_some();
+        let choices = choices(schema, schema);
+        let is_of_schema =
+            |key: &str| choices.iter().chain([&schema]).any(|schema| schema["properties"].get(key).is_some());
         KINDS.iter().find(|(key, _)| self.has(key)).filter(|(key, _)| !is_of_schema(key)).map(|(_, what)| *what)
     }
 
@@ -279,6 +281,11 @@ impl Document {
             }
             return;
         }
+        if let Value::Object(map) = value
+            && let Some(tag) = tag(root, choices)
+        {
+            return self.compare_tagged(root, choices, tag, map, item, problems);
+        }
         let outcomes = choices.iter().filter(|choice| kind_fits(choice, value)).map(|choice| {
             let mut found = Vec::new();
             self.compare(root, choice, value, item, &mut found);
@@ -289,6 +296,37 @@ impl Document {
             None => {
                 let expected: Vec<String> = choices.iter().map(|c| described(c)).collect();
                 problems.push(self.other_kind(&expected.join(" or "), value, item));
+            }
+        }
+    }
+
+    /// Of tables that one key tells apart, the one that its value names.
+    fn compare_tagged(
+        &self,
+        root: &Value,
+        choices: &[&Value],
+        tag: &str,
+        map: &Map<String, Value>,
+        item: &str,
+        problems: &mut Vec<Problem>,
+    ) {
+        let constants: Vec<(&Value, &&Value)> =
+            choices.iter().filter_map(|choice| Some((constant(root, choice, tag)?, choice))).collect();
+        let Some(found) = map.get(tag) else {
+            let known: Vec<String> = constants.iter().map(|(c, _)| c.to_string()).collect();
+            let problem = Problem::new(self.at(item), format!("`{tag}` is missing"));
+            return problems.push(problem.with_help(format!("it is {}", known.join(" or "))));
+        };
+        if let Some((_, choice)) = constants.iter().find(|(constant, _)| *constant == found) {
+            return self.compare_table(root, choice, map, item, problems);
+        }
+        let member = member(item, tag);
+        let words: Vec<&str> = constants.iter().filter_map(|(c, _)| c.as_str()).collect();
+        match found {
+            Value::String(found) if !words.is_empty() => problems.push(self.not_a_word(found, &words, &member)),
+            _ => {
+                let known: Vec<String> = constants.iter().map(|(c, _)| c.to_string()).collect();
+                problems.push(self.other_kind(&known.join(" or "), found, &member));
             }
         }
     }
@@ -419,6 +457,23 @@ fn choices<'a>(root: &'a Value, schema: &'a Value) -> Vec<&'a Value> {
     }
     all.retain(|choice| choice.get("type").and_then(Value::as_str) != Some("null"));
     all
+}
+
+/// The value that a key of a table must have.
+fn constant<'a>(root: &'a Value, schema: &'a Value, key: &str) -> Option<&'a Value> {
+    resolved(root, schema.get("properties")?.get(key)?).get("const")
+}
+
+/// The key that tells the tables among several schemas apart: in each of them it must have a value of its own.
+fn tag<'a>(root: &'a Value, choices: &[&'a Value]) -> Option<&'a str> {
+    let tables: Vec<&&Value> = choices.iter().filter(|choice| choice.get("properties").is_some()).collect();
+    let keys = tables.first()?.get("properties")?.as_object()?.keys();
+    keys.map(String::as_str).find(|key| {
+        let constants: Vec<_> = tables.iter().filter_map(|table| constant(root, table, key)).collect();
+        constants.len() == tables.len()
+            && tables.len() > 1
+            && constants.iter().enumerate().all(|(i, c)| !constants[..i].contains(c))
+    })
 }
 
 /// The strings that a schema allows, if it allows only some.

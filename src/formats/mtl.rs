@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::error::{Location, Problem, Result};
-use crate::landscape::MATERIALS;
+use crate::landscape::LandscapeMaterial;
 
 use super::input::{self, BYTE_ORDER_MARK, InputFile, Problems};
 
@@ -19,8 +19,8 @@ pub struct ObjMaterial {
 }
 
 /// The materials of a generated landscape, by their index in its mesh.
-pub fn of_landscapes() -> Vec<ObjMaterial> {
-    MATERIALS.map(|(name, kd)| ObjMaterial { name: name.to_owned(), kd: Some(kd) }).into()
+pub fn of_landscape(materials: &[LandscapeMaterial]) -> Vec<ObjMaterial> {
+    materials.iter().map(|m| ObjMaterial { name: m.name.clone(), kd: Some(m.colour) }).collect()
 }
 
 /// The name nearest to this one that a line of an OBJ or MTL file can hold.

@@ -1,31 +1,195 @@
-//! A landscape's recipe, as a file of its own or as part of a scene.
+//! A landscape's recipe: a file of its own, part of a scene, or one of those that come with the program.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::InputFile;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::coloured_mesh::Placing;
 use super::located::Document;
-use crate::error::{Error, Problem, Result};
-use crate::landscape::Recipe;
+use super::raster::DataType;
+use super::{InputFile, registry};
+use crate::error::{Error, Location, Problem, Result};
+use crate::landscape::{self, Landscape, PRESETS, Recipe, RecipeOne, Source, Sources};
+use crate::progress::Watch;
 
-/// Reads and checks a recipe.
+/// A recipe of any version.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum AnyRecipe {
+    /// Version 2.
+    Two(Box<Recipe>),
+    /// Version 1.
+    One(Box<RecipeOne>),
+}
+
+impl AnyRecipe {
+    /// The recipe, of the version that is made today.
+    pub fn recipe(&self) -> Recipe {
+        match self {
+            AnyRecipe::Two(recipe) => (**recipe).clone(),
+            AnyRecipe::One(one) => (**one).clone().into(),
+        }
+    }
+}
+
+/// A recipe with the rasters that it names.
+#[derive(Debug, Clone)]
+pub struct OpenedRecipe {
+    /// The recipe; may be changed before it is made.
+    pub recipe: Recipe,
+    /// The files that it was read from: its own, and those of its rasters.
+    pub inputs: Vec<InputFile>,
+    sources: Sources,
+    document: Document,
+    item: String,
+}
+
+/// Reads and checks a recipe: a file, or the name of one of [`PRESETS`].
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`]; [`Error::Invalid`] with everything that is unknown, missing or out of range, each at
-/// its place.
-pub fn read(path: &Path) -> Result<(Recipe, InputFile)> {
-    let (document, input) = Document::open(path)?;
-    let recipe: Recipe = document.read()?;
-    let problems = recipe.check();
-    if problems.is_empty() { Ok((recipe, input)) } else { Err(placed(Error::Invalid(problems), &document, "")) }
+/// its place, in the recipe or in the rasters that it names.
+pub fn read(path: &Path) -> Result<OpenedRecipe> {
+    if let Some(preset) = preset(path) {
+        let document = Document::parse(preset.text.to_owned(), Path::new(preset.name))?;
+        return OpenedRecipe::new(&document.read::<AnyRecipe>()?, document, "", Path::new("."), Vec::new());
+    }
+    let (document, input) = Document::open(path).map_err(|e| known_presets(e, path))?;
+    let recipe: AnyRecipe = document.read()?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    OpenedRecipe::new(&recipe, document, "", folder, vec![input])
 }
 
-/// What [`Recipe::check`] found, with its places in the text that holds the recipe: as its item, or as all of it ("").
-pub(super) fn placed(error: Error, document: &Document, item: &str) -> Error {
-    let Error::Invalid(problems) = error else { return error };
-    let placed = problems.into_iter().map(|problem| {
-        let key = problem.at.item.as_deref().and_then(|found| found.strip_prefix("recipe.")).unwrap_or("");
-        let dot = if item.is_empty() || key.is_empty() { "" } else { "." };
-        Problem { at: document.at(&format!("{item}{dot}{key}")), ..problem }
-    });
-    Error::Invalid(placed.collect())
+/// The JSON Schema of a recipe.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(AnyRecipe)
+}
+
+/// The preset of this name, if there is no file of this name; a folder may have it.
+fn preset(path: &Path) -> Option<&'static landscape::Preset> {
+    let name = path.to_str()?;
+    PRESETS.iter().find(|preset| preset.name == name).filter(|_| !path.is_file())
+}
+
+/// `name` if it is that of a preset, or else `path`.
+pub(super) fn preset_or<'a>(name: &'a Path, path: &'a Path) -> &'a Path {
+    if PRESETS.iter().any(|preset| Path::new(preset.name) == name) { name } else { path }
+}
+
+/// What is said of a name that is neither a file nor a preset.
+fn known_presets(error: Error, path: &Path) -> Error {
+    if path.exists() || path.extension().is_some() || path.components().count() != 1 {
+        return error;
+    }
+    let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+    let problem = Problem::new(Location::file(path), "is neither a file nor a preset");
+    let help = match super::spelling::nearest(&path.to_string_lossy(), &names) {
+        Some(name) => format!("did you mean {name:?}?"),
+        None => format!("presets: {}", names.join(", ")),
+    };
+    Error::Invalid(vec![problem.with_help(help)])
+}
+
+impl OpenedRecipe {
+    /// Of a recipe that is `item` of a text, or all of it (""); its rasters are found from `folder`.
+    pub(super) fn new(
+        any: &AnyRecipe,
+        document: Document,
+        item: &str,
+        folder: &Path,
+        mut inputs: Vec<InputFile>,
+    ) -> Result<Self> {
+        let mut opened = OpenedRecipe {
+            recipe: any.recipe(),
+            inputs: Vec::new(),
+            sources: Sources::default(),
+            document,
+            item: item.to_owned(),
+        };
+        let mut problems = opened.recipe.check();
+        for (key, name) in opened.recipe.files() {
+            if opened.sources.rasters.contains_key(name) {
+                continue;
+            }
+            match source(&folder.join(name)) {
+                Ok((source, files)) => {
+                    inputs.extend(files);
+                    opened.sources.rasters.insert(name.to_owned(), source);
+                }
+                Err(Error::Invalid(found)) => problems.extend(found),
+                Err(error) => problems.push(Problem::new(Location::item(format!("recipe.{key}")), error.to_string())),
+            }
+        }
+        let unit_m = opened.recipe.body.as_ref().and_then(|body| body.unit_m);
+        for (key, name) in opened.recipe.meshes() {
+            match registry::mesh(&folder.join(name), true) {
+                Ok(file) => {
+                    inputs.extend(file.inputs);
+                    let surface =
+                        file.surface.placed(&Placing { unit_m, ..Placing::default() }, (file.up, file.unit_m));
+                    opened.sources.meshes.insert(name.to_owned(), surface.mesh);
+                }
+                Err(Error::Invalid(found)) => problems.extend(found),
+                Err(error) => problems.push(Problem::new(Location::item(format!("recipe.{key}")), error.to_string())),
+            }
+        }
+        if !problems.is_empty() {
+            return Err(opened.placed(Error::Invalid(problems)));
+        }
+        opened.inputs = inputs;
+        Ok(opened)
+    }
+
+    /// Makes the landscape.
+    ///
+    /// # Errors
+    /// Those of [`landscape::generate`], each at its place in the text.
+    pub fn generate(&self, watch: Watch<'_>) -> Result<Landscape> {
+        landscape::generate(&self.recipe, &self.sources, watch).map_err(|error| self.placed(error))
+    }
+
+    /// The paths of its inputs.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        self.inputs.iter().map(|input| input.path.clone()).collect()
+    }
+
+    /// Problems of items of a recipe, with their places in the text.
+    fn placed(&self, error: Error) -> Error {
+        let Error::Invalid(problems) = error else { return error };
+        let placed = problems.into_iter().map(|problem| {
+            let Some(key) = problem.at.item.as_deref().and_then(|item| item.strip_prefix("recipe.")) else {
+                return problem;
+            };
+            let dot = if self.item.is_empty() || key.is_empty() { "" } else { "." };
+            let full = format!("{}{dot}{key}", self.item);
+            // Recipes of version 1 have one table where those of version 2 have a list.
+            let single = full.replacen("[0]", "", 1);
+            let at = if self.document.has(&single) && !self.document.has(&full) { single } else { full };
+            Problem { at: self.document.at(&at), ..problem }
+        });
+        Error::Invalid(placed.collect())
+    }
+}
+
+/// The first band of a raster, or the mean of three colours.
+fn source(path: &Path) -> Result<(Source, Vec<InputFile>)> {
+    let mut raster = registry::image(path)?;
+    let bands = match raster.colour_bands() {
+        colours if colours.len() == 3 => colours,
+        _ => vec![0],
+    };
+    let (mut values, mut band) = (vec![0.0; raster.pixels()], Vec::new());
+    for &number in &bands {
+        raster.read(number, &mut band)?;
+        values.iter_mut().zip(&band).for_each(|(sum, value)| *sum += value / bands.len() as f64);
+    }
+    let full_scale = match raster.data_type {
+        DataType::U8 => Some(255.0),
+        DataType::U16 => Some(65535.0),
+        _ => None,
+    };
+    let pixel_m = raster.spacing_m();
+    let source = Source { columns: raster.columns, rows: raster.rows, values, pixel_m, full_scale };
+    Ok((source, raster.inputs()?))
 }

@@ -1,8 +1,9 @@
 //! How the facets of a recipe are spent.
 
-use super::boulder::{Boulder, boulders};
+use super::boulder::Boulder;
+use super::layout::{Grading, Layout};
 use super::recipe::Recipe;
-use crate::error::{Location, Problem};
+use crate::error::Problem;
 use crate::geometry::{whole, whole_u32};
 
 /// Largest [`Ball`](super::boulder::Ball) a boulder is cut from: 320 facets.
@@ -11,93 +12,149 @@ pub(super) const FINEST: u32 = 4;
 /// Boulders smaller than this many grid steps are left out: a facet of the ground would swallow them.
 const SMALLEST_STEPS: f64 = 0.25;
 
+/// Halvings after which a step is known to the last digit.
+const HALVINGS: usize = 60;
+
+/// Rows and columns that the grid may have more or less, to come closer to the facets asked for.
+const SPARE: usize = 4;
+
 /// What the ground and the boulders get.
 #[derive(Debug, Clone)]
 pub(super) struct Division {
-    /// Grid cells of the ground, west to east and south to north; two facets each.
-    pub(super) columns: usize,
-    pub(super) rows: usize,
-    /// The boulders that are kept, each with the frequency of its ball.
-    pub(super) boulders: Vec<(Boulder, u32)>,
+    pub(super) grading: Grading,
+    pub(super) layout: Layout,
+    /// Frequency of each boulder's ball; 0 if it is left out.
+    pub(super) frequencies: Vec<u32>,
 }
 
-/// Spacing of the grid if there were no boulders, m: what decides how fine anything is made.
-pub(super) fn step_m(recipe: &Recipe) -> f64 {
-    recipe.size_m / (0.5 * f64::from(recipe.facets)).sqrt()
-}
-
-/// Distributes the facets, or reports everything that is wrong with the recipe.
+/// Distributes the facets.
 ///
-/// A boulder's facets are about as large as the ground's, 20 at least and 320 at most. Where boulders would take more
+/// A boulder's facets are about as large as the ground's around it, 20 at least and 320 at most. Where boulders would take more
 /// than half of all facets, the large ones get fewer.
-pub(super) fn divide(recipe: &Recipe) -> Result<Division, Vec<Problem>> {
-    let problems = recipe.out_of_range();
-    if !problems.is_empty() {
-        return Err(problems);
-    }
-    let step_m = step_m(recipe);
+///
+/// # Errors
+/// If even 20 facets for each boulder are more than half of all.
+pub(super) fn divide(recipe: &Recipe, boulders: &[Boulder]) -> Result<Division, Problem> {
     let all = u64::from(recipe.facets);
-    let kept: Vec<Boulder> = boulders(&recipe.boulders, recipe.seed, recipe.size_m)
-        .filter(|boulder| boulder.diameter_m >= SMALLEST_STEPS * step_m)
-        .collect();
-    let frequency = |boulder: &Boulder, finest: u32| whole_u32((boulder.diameter_m / step_m).ceil()).clamp(1, finest);
-    let spent = |finest: u32| kept.iter().map(|b| 20 * u64::from(frequency(b, finest)).pow(2)).sum::<u64>();
-    let Some(finest) = (1..=FINEST).rev().find(|&finest| spent(finest) <= all / 2) else {
+    // Wider steps need fewer facets; between these two lies what is asked for.
+    let (mut fine_m, mut coarse_m) = (1e-3 * recipe.size_m / f64::from(recipe.facets).sqrt(), recipe.size_m);
+    for _ in 0..HALVINGS {
+        let step_m = (fine_m * coarse_m).sqrt();
+        let grading = Grading::new(recipe, step_m);
+        if ground(&grading) + spent(boulders, &grading, all).map_or(0.0, |spent| spent as f64) > all as f64 {
+            fine_m = step_m;
+        } else {
+            coarse_m = step_m;
+        }
+    }
+    let grading = Grading::new(recipe, coarse_m);
+    let Some(finest) = finest(boulders, &grading, all) else {
+        let kept = frequencies(boulders, &grading, 1).filter(|f| *f > 0).count();
         let message = format!(
-            "{} boulders of 20 facets each need {} facets, more than half of recipe.facets = {all}",
-            kept.len(),
-            spent(1)
+            "{kept} boulders of 20 facets each need {} facets, more than half of recipe.facets = {all}",
+            20 * kept
         );
-        let problem = Problem::new(Location::item("recipe.boulders.count"), message);
-        return Err(vec![problem.with_help("ask for fewer boulders or for more facets")]);
+        let largest = recipe.boulders.iter().enumerate().max_by_key(|(_, b)| b.count).map_or(0, |(i, _)| i);
+        return Err(super::check::at(&format!("boulders[{largest}].count"), message)
+            .with_help("ask for fewer boulders or for more facets"));
     };
-    // Rows and columns may differ by a few, to come closer to the facets asked for.
-    let cells = (all - spent(finest)) / 2;
-    let rows = (cells as f64).sqrt().floor();
-    let columns = (cells as f64 / rows).round();
-    let frequencies: Vec<u32> = kept.iter().map(|boulder| frequency(boulder, finest)).collect();
-    let boulders = kept.into_iter().zip(frequencies).collect();
-    Ok(Division { columns: whole(columns), rows: whole(rows), boulders })
+    let frequencies: Vec<u32> = frequencies(boulders, &grading, finest).collect();
+    let boulders: u64 = frequencies.iter().map(|f| 20 * u64::from(*f).pow(2)).sum();
+    // Of the grids near the one that the step gives, the one that comes closest, and of those the one nearest to square cells.
+    let cells = whole((2.0 * grading.core_m / grading.step_m).round());
+    let spare = SPARE.max(cells / 10);
+    let near = cells.saturating_sub(spare).max(1)..=cells + spare;
+    let around = grading.layout(1, 1);
+    let rings = around.facets() as u64 - 2 - if around.rings.len() > 1 { 4 } else { 0 };
+    let strip = if around.rings.len() > 1 { 2 } else { 0 };
+    let facets = |columns: usize, rows: usize| {
+        boulders + rings + 2 * (columns as u64) * (rows as u64) + strip * (columns + rows) as u64
+    };
+    let grids = near.clone().flat_map(|columns| near.clone().map(move |rows| (columns, rows)));
+    // 1 per mille off is as good as none.
+    let off = |columns: usize, rows: usize| facets(columns, rows).abs_diff(all).max(all / 1000);
+    let best = grids.min_by_key(|&(columns, rows)| (off(columns, rows), columns.abs_diff(rows), columns));
+    let (columns, rows) = best.unwrap_or((cells, cells));
+    Ok(Division { layout: grading.layout(columns, rows), grading, frequencies })
 }
 
-impl Recipe {
-    /// Everything that [`generate`](super::generate) would refuse, each problem at `recipe.key`.
-    pub fn check(&self) -> Vec<Problem> {
-        divide(self).err().unwrap_or_default()
+/// Facets of the ground, by and large.
+fn ground(grading: &Grading) -> f64 {
+    let cells = 2.0 * grading.core_m / grading.step_m;
+    // Finer than that no recipe may ask for, and rings need not be counted.
+    if cells > 4e3 {
+        return 2.0 * cells * cells;
     }
+    2.0 * cells * cells + (grading.layout(whole(cells).max(1), whole(cells).max(1)).facets() as f64)
+        - 2.0 * whole(cells).max(1).pow(2) as f64
+}
+
+/// The frequency of each boulder's ball, if no more than `finest`.
+fn frequencies(boulders: &[Boulder], grading: &Grading, finest: u32) -> impl Iterator<Item = u32> {
+    boulders.iter().map(move |boulder| {
+        let steps = boulder.diameter_m / grading.step_at_m(boulder.x_m, boulder.y_m);
+        if steps < SMALLEST_STEPS { 0 } else { whole_u32(steps.ceil()).clamp(1, finest) }
+    })
+}
+
+/// The finest balls that leave the ground half of all facets.
+fn finest(boulders: &[Boulder], grading: &Grading, all: u64) -> Option<u32> {
+    let spent = |finest: u32| frequencies(boulders, grading, finest).map(|f| 20 * u64::from(f).pow(2)).sum::<u64>();
+    (1..=FINEST).rev().find(|&finest| spent(finest) <= all / 2)
+}
+
+/// Facets of the boulders; none if they are more than half of all.
+fn spent(boulders: &[Boulder], grading: &Grading, all: u64) -> Option<u64> {
+    let finest = finest(boulders, grading, all)?;
+    Some(frequencies(boulders, grading, finest).map(|f| 20 * u64::from(f).pow(2)).sum())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::landscape::recipe::{Detail, Surroundings};
+
+    fn boulders(count: u32) -> Vec<Boulder> {
+        let recipe = Recipe::new(1);
+        let mut all = crate::landscape::boulder::all(&recipe, &|_, _, _| 1.0).unwrap();
+        all.truncate(count as usize);
+        all
+    }
 
     #[test]
     fn the_facets_asked_for_are_met() {
+        let detail = Some(Detail { x_m: 100.0, y_m: -300.0, size_m: 500.0, growth: 0.1 });
+        let surroundings = Some(Surroundings { reach_m: 5000.0, growth: 0.15 });
+        let boulders = boulders(3000);
         let mut seen = 0;
         for facets in [1000, 1001, 1111, 5000, 9999, 10_001, 123_457, 200_000, 1_000_000, 2_000_000, 4_000_000] {
-            let division = divide(&Recipe { facets, ..Recipe::new(1) }).unwrap();
-            let boulders: u32 = division.boulders.iter().map(|(_, frequency)| 20 * frequency * frequency).sum();
-            let made = f64::from(boulders) + 2.0 * (division.rows * division.columns) as f64;
-            let tolerance = if facets < 10_000 { 0.03 } else { 0.01 };
-            assert!((made / f64::from(facets) - 1.0).abs() < tolerance, "{facets}: {made}");
-            assert!(made <= 4.003e6 && division.columns.abs_diff(division.rows) <= 3);
-            assert!(boulders <= facets / 2);
-            seen += 1;
+            for (detail, surroundings) in
+                [(&None, &None), (&detail, &None), (&None, &surroundings), (&detail, &surroundings)]
+            {
+                let recipe =
+                    Recipe { facets, detail: detail.clone(), surroundings: surroundings.clone(), ..Recipe::new(1) };
+                let division = divide(&recipe, &boulders).unwrap();
+                let spent: u32 = division.frequencies.iter().map(|f| 20 * f * f).sum();
+                let made = f64::from(spent) + division.layout.facets() as f64;
+                assert!((made / f64::from(facets) - 1.0).abs() < 0.01, "{facets} {detail:?} {surroundings:?}: {made}");
+                assert!(spent <= facets / 2);
+                seen += 1;
+            }
         }
-        assert_eq!(seen, 11);
+        assert_eq!(seen, 44);
     }
 
     #[test]
     fn boulders_are_dropped_and_coarsened_with_the_grid() {
+        let boulders = boulders(3000);
         let recipe = |facets| Recipe { facets, ..Recipe::new(1) };
         // Grid steps of 89, 6.3 and 2 m against boulders of 2 to 12 m.
-        let [coarse, middle, fine] = [1000, 200_000, 2_000_000].map(|facets| divide(&recipe(facets)).unwrap().boulders);
-        assert_eq!((coarse.len(), middle.len(), fine.len()), (0, 3000, 3000));
-        let finest = |boulders: &[(Boulder, u32)]| boulders.iter().map(|b| b.1).max().unwrap();
+        let [coarse, middle, fine] =
+            [1000, 200_000, 2_000_000].map(|facets| divide(&recipe(facets), &boulders).unwrap().frequencies);
+        let kept = |frequencies: &[u32]| frequencies.iter().filter(|f| **f > 0).count();
+        assert_eq!((kept(&coarse), kept(&fine)), (0, 3000));
+        let finest = |frequencies: &[u32]| frequencies.iter().copied().max().unwrap();
         assert_eq!((finest(&middle), finest(&fine)), (2, 4));
-        for (a, b) in middle.iter().zip(&fine) {
-            assert_eq!((a.0.x_m, a.0.y_m, a.0.diameter_m), (b.0.x_m, b.0.y_m, b.0.diameter_m));
-            assert!(a.1 <= b.1);
-        }
+        assert!(middle.iter().zip(&fine).all(|(a, b)| a <= b));
     }
 }

@@ -1,31 +1,63 @@
 //! Makes meshes: a landscape of relief, craters and boulders from a seed and a few numbers.
+//!
+//! Heights and what they rest on are apart: `relief` and `cratering` say how high the ground is at any place, `base` what it is above, `layout` where the
+//! mesh has its vertices, and `sheet` puts them together; boulders rest on the sheet.
 
+mod area;
+mod base;
+mod body;
 mod boulder;
+mod check;
 mod crater;
+mod cratering;
 mod division;
+mod layout;
+mod lookup;
+mod material;
+mod noise;
+mod preset;
 mod random;
 mod recipe;
 mod relief;
 mod sheet;
+mod sources;
+mod texture;
+mod version_1;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
-pub use recipe::{Boulders, Craters, FACETS, Recipe, Relief};
+pub use body::WrapReport;
+pub use check::FACETS;
+pub use material::LandscapeMaterial;
+pub use preset::{PRESETS, Preset};
+pub use recipe::{
+    BodyRecipe, Boulders, Craters, Detail, Height, MaterialRecipe, NearCraters, Overlap, Paint, Painted, Patches,
+    PlacedBoulder, PlacedCrater, Recipe, Relief, Shape, ShapeName, Span, Surroundings, Texture, Where,
+};
+pub use sources::{Source, Sources};
+pub use texture::Grain;
+pub use version_1::RecipeOne;
 
 use crate::error::{Error, Result};
-use crate::geometry::{MaterialId, Mesh, index_u32};
+use crate::geometry::{Mesh, index_u32};
 use crate::progress::{Watch, tell};
-use boulder::Ball;
+use crate::random::Draws;
+use area::{Area, Spot};
+use base::Base;
+use body::Wrap;
+use boulder::{Ball, rest};
+use cratering::Ground;
+use material::index;
+use noise::presence;
+use random::{Purpose, key_in};
 
-/// Names and colours (linear RGB, as `Kd` in an MTL file) of the two materials, by their index in the mesh:
-/// 0 the ground, 1 the boulders.
-pub const MATERIALS: [(&str, [f64; 3]); 2] = [("phobos_blue", [0.28, 0.30, 0.34]), ("phobos_red", [0.40, 0.28, 0.20])];
+/// Names of the materials that the ground and boulders have if a recipe says nothing.
+const GROUND: &str = "phobos_blue";
+const BOULDERS: &str = "phobos_red";
 
-const GROUND: MaterialId = MaterialId(0);
-const BOULDER: MaterialId = MaterialId(1);
-
-/// Relief and craters less than this many grid steps wide are left out: a triangle grid would only alias them.
-const FINEST_STEPS: f64 = 3.0;
+/// A target that is farther from its body's surface than this is told, m.
+const FAR_FROM_BODY_M: f64 = 10.0;
 
 /// The stage, as reported to the watch.
 const STAGE: &str = "making the landscape";
@@ -35,48 +67,251 @@ const STAGE: &str = "making the landscape";
 pub struct Landscape {
     /// The ground (one open sheet, first) and the boulders (closed bodies that stick in it), m; x east, y north, z up.
     /// Coordinates are whole multiples of 1e-5 m, so that text with five decimals holds them exactly. Material indices are
-    /// those of [`MATERIALS`].
+    /// those of [`materials`](Self::materials).
+    ///
+    /// Of a site on a body: axes of the body, whole multiples of 1e-7 m from [`origin_m`](Self::origin_m).
     pub mesh: Mesh,
-    /// Craters that were made; the rest of the recipe's are too small for the grid.
-    pub craters: usize,
-    /// Boulders that were made; the rest of the recipe's are too small for the grid.
-    pub boulders: usize,
+    /// Where the mesh's coordinates start, body axes, m, if the site is on a body.
+    pub origin_m: Option<DVec3>,
+    /// What the wrap onto the body did.
+    pub wrap: Option<WrapReport>,
+    /// Vertices beyond the site's border, ascending: those of its surroundings.
+    pub beyond: Vec<u32>,
+    /// The materials, by their index in the mesh.
+    pub materials: Vec<LandscapeMaterial>,
+    /// All craters that the recipe asks for on its site, in the order of their groups: the production, of which later craters erase some.
+    pub craters: Vec<MadeCrater>,
+    /// All boulders that the recipe asks for, in the order of their groups.
+    pub boulders: Vec<MadeBoulder>,
+    /// The texture, if the recipe asks for one.
+    pub grain: Option<Grain>,
 }
 
-/// Makes the landscape of a recipe: the same bytes at any thread count.
+impl Landscape {
+    /// Coordinates of a site on a body from the body's centre on, still whole multiples of 1e-7 m; of another nothing changes.
+    pub fn start_at_centre(&mut self) {
+        let Some(origin_m) = self.origin_m.replace(DVec3::ZERO).filter(|_| self.wrap.is_some()) else {
+            self.origin_m = None;
+            return;
+        };
+        self.mesh.vertices_m.par_iter_mut().for_each(|v| *v = sheet::rounded_m(*v + origin_m, 1e7));
+    }
+
+    /// What looks unusual about it: the place on its body.
+    pub fn doubts(&self) -> Vec<String> {
+        let far = self.wrap.filter(|wrap| wrap.target_above_m.abs() > FAR_FROM_BODY_M);
+        let told = far.map(|wrap| {
+            let side = if wrap.target_above_m > 0.0 { "above" } else { "below" };
+            format!("the target lies {:.1} m {side} the body's surface", wrap.target_above_m.abs())
+        });
+        told.into_iter().collect()
+    }
+}
+
+/// A crater of a landscape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MadeCrater {
+    /// Number of its group.
+    pub group: usize,
+    /// Centre, east and north of the site's middle, m.
+    pub centre_m: [f64; 2],
+    /// Rim-to-rim diameter, m.
+    pub diameter_m: f64,
+    /// From 0 (now) to 1 (the oldest).
+    pub age: f64,
+    /// Rim to floor, m.
+    pub depth_m: f64,
+    /// Whether the mesh is fine enough to show it.
+    pub shown: bool,
+}
+
+/// A boulder of a landscape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MadeBoulder {
+    /// Number of its group.
+    pub group: usize,
+    /// Where it lies, east and north of the site's middle, m.
+    pub place_m: [f64; 2],
+    /// Longest axis, m.
+    pub diameter_m: f64,
+    /// Share of its height that is below the ground.
+    pub buried: f64,
+    /// Its facets in the mesh, first and number; none if the mesh is too coarse to have it.
+    pub facets: Option<[usize; 2]>,
+}
+
+/// Makes the landscape of a recipe: the same bytes at any thread count. `sources` holds the rasters that it names.
 ///
 /// # Errors
-/// [`Error::Invalid`] with all that [`Recipe::check`] finds; [`Error::Interrupted`] if `watch` asks to stop.
-pub fn generate(recipe: &Recipe, watch: Watch<'_>) -> Result<Landscape> {
-    let division = division::divide(recipe).map_err(Error::Invalid)?;
-    let shortest_m = FINEST_STEPS * division::step_m(recipe);
-    let octaves = relief::octaves(&recipe.relief, recipe.seed, shortest_m);
-    let craters: Vec<_> = crater::craters(&recipe.craters, recipe.seed, recipe.size_m)
-        .filter(|crater| crater.diameter_m >= shortest_m)
-        .collect();
-
-    let sheet = sheet::Sheet::new(recipe.size_m, division.columns, division.rows, &octaves, &craters, watch)?;
-    let mut mesh = sheet.mesh();
-    let balls: Vec<Ball> = (1..=division::FINEST).map(Ball::new).collect();
-    for (boulder, frequency) in &division.boulders {
-        let ball = &balls[*frequency as usize - 1];
-        let vertices_m = boulder.vertices_m(ball);
-        let height_m = vertices_m.iter().fold(0.0, |h, v| v.z.max(h));
-        let foot_m = sheet.height_m(boulder.x_m, boulder.y_m) - recipe.boulders.sunk * height_m;
-        let foot_m = DVec3::new(boulder.x_m, boulder.y_m, foot_m);
-        let base = index_u32(mesh.vertices_m.len());
-        mesh.vertices_m.extend(vertices_m.iter().map(|v| rounded_m(v + foot_m)));
-        mesh.facets.extend(ball.facets.iter().map(|f| f.map(|v| v + base)));
-        mesh.material.resize(mesh.facets.len(), BOULDER);
+/// [`Error::Invalid`] with all that [`Recipe::check`] finds, or with what is wrong with the rasters, or if there are too few facets for its boulders;
+/// [`Error::Interrupted`] if `watch` asks to stop.
+pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<Landscape> {
+    let problems = recipe.check();
+    if !problems.is_empty() {
+        return Err(Error::Invalid(problems));
     }
-    tell(watch, STAGE, sheet.points() as u64, sheet.points() as u64)?;
-    Ok(Landscape { mesh, craters: craters.len(), boulders: division.boulders.len() })
+    tell(watch, STAGE, 0, 1)?;
+    let (ground, produced) = dug(recipe, sources)?;
+    let areas = Areas::new(recipe, &produced, sources)?;
+    let share = |group: usize, x_m: f64, y_m: f64| {
+        let spot = Spot::of(&ground, x_m, y_m, recipe.boulders[group].min_diameter_m);
+        areas.boulders[group].as_ref().map_or(1.0, |area| area.share(spot))
+    };
+    let boulders = boulder::all(recipe, &share).map_err(|problem| Error::Invalid(vec![problem]))?;
+    let division = division::divide(recipe, &boulders).map_err(|problem| Error::Invalid(vec![problem]))?;
+    let wrap = recipe.body.as_ref().map(|body| Wrap::new(body, recipe, sources)).transpose()?;
+    let (origin_m, report) = (wrap.as_ref().map(|wrap| wrap.origin_m), wrap.as_ref().map(Wrap::report));
+    let base = wrap.map_or(Base::Plane, |wrap| Base::Body(Box::new(wrap)));
+    let sheet = sheet::Sheet::new(&division, &ground, base, watch)?;
+    let wrap = report.map(|report| WrapReport { seam_m: sheet.seam_m(), ..report });
+
+    let materials = material::materials(recipe);
+    let balls: Vec<Ball> = (1..=division::FINEST).map(Ball::new).collect();
+    let rested: Vec<_> = (boulders.par_iter().zip(&division.frequencies))
+        .map(|(boulder, frequency)| {
+            let ball = balls.get((*frequency as usize).checked_sub(1)?)?;
+            Some((rest(boulder, ball, &sheet), ball))
+        })
+        .collect();
+    let mut mesh = Mesh { material: areas.of_ground(recipe, &materials, &sheet), ..Mesh::default() };
+    let mut places_m = sheet.places_m().to_vec();
+    let is_beyond = |place: &&[f64; 2]| place.iter().any(|p_m| p_m.abs() > 0.5 * recipe.size_m);
+    let beyond = (0..).zip(&places_m).filter(|(_, place)| is_beyond(place)).map(|(v, _)| v).collect();
+    mesh.facets = sheet.facets;
+    mesh.vertices_m = sheet.vertices_m;
+    let mut made = Vec::with_capacity(boulders.len());
+    for (i, (boulder, rested)) in boulders.iter().zip(rested).enumerate() {
+        let first = mesh.facets.len();
+        if let Some((rested, ball)) = &rested {
+            let base = index_u32(mesh.vertices_m.len());
+            mesh.vertices_m.extend(&rested.vertices_m);
+            places_m.extend(&rested.places_m);
+            mesh.facets.extend(ball.facets.iter().map(|f| f.map(|v| v + base)));
+            let of_group = index(&materials, &recipe.boulders[boulder.group].material);
+            let spot = || Spot::of(&ground, boulder.x_m, boulder.y_m, boulder.diameter_m);
+            mesh.material.resize(mesh.facets.len(), areas.of_boulder(recipe, &materials, i, spot).unwrap_or(of_group));
+        }
+        made.push(MadeBoulder {
+            group: boulder.group,
+            place_m: [boulder.x_m, boulder.y_m],
+            diameter_m: boulder.diameter_m,
+            buried: boulder.buried,
+            facets: rested.is_some().then_some([first, mesh.facets.len() - first]),
+        });
+    }
+    let grain = recipe.texture.as_ref().map(|texture| Grain::new(texture, recipe.seed, recipe.size_m));
+    if grain.is_some() {
+        mesh.uv = texture::coordinates(&mesh.facets, &places_m, recipe.size_m);
+    }
+    tell(watch, STAGE, 1, 1)?;
+    let craters = produced.iter().map(|c| MadeCrater {
+        group: c.group,
+        centre_m: [c.x_m, c.y_m],
+        diameter_m: c.diameter_m,
+        age: c.age,
+        depth_m: c.depth_m,
+        shown: presence(c.diameter_m, division.grading.step_at_m(c.x_m, c.y_m)) > 0.0,
+    });
+    Ok(Landscape { mesh, beyond, origin_m, wrap, materials, craters: craters.collect(), boulders: made, grain })
 }
 
-/// The nearest whole multiple of 1e-5 m, as the f64 that reading its decimal text gives: a whole number over a whole
-/// number is rounded once, as the text is. Adding zero makes -0 into 0.
-fn rounded_m(v: DVec3) -> DVec3 {
-    (v * 1e5).round() / 1e5 + DVec3::ZERO
+/// The ground of a recipe, and the craters that it asks for on its site.
+fn dug(recipe: &Recipe, sources: &Sources) -> Result<(Ground, Vec<crater::Crater>)> {
+    let [layers, cover] = ["relief", "cover"].map(|list| relief::layers(recipe, list, sources));
+    let (layers, cover) = (layers.map_err(Error::Invalid)?, cover.map_err(Error::Invalid)?);
+    let produced = cratering::produced(recipe);
+    let mut craters = cratering::around(recipe);
+    craters.splice(0..0, produced.iter().cloned());
+    let reach_m = recipe.surroundings.as_ref().map_or(0.0, |s| s.reach_m);
+    let half_m = 0.5 * recipe.size_m;
+    Ok((Ground::new(layers, craters, cover, half_m, half_m + reach_m), produced))
+}
+
+/// The areas of a recipe's groups of boulders, and of what it paints.
+struct Areas<'a> {
+    boulders: Vec<Option<Area<'a>>>,
+    paint: Vec<Option<Area<'a>>>,
+}
+
+impl<'a> Areas<'a> {
+    fn new(recipe: &'a Recipe, craters: &[crater::Crater], sources: &'a Sources) -> Result<Self> {
+        let mut problems = Vec::new();
+        let mut area = |item: String, area: &'a Option<Where>, number: usize| {
+            let area = area.as_ref()?;
+            match Area::new(area, number as u64, recipe, craters, sources) {
+                Ok(area) => Some(area),
+                Err((key, message)) => {
+                    problems.push(check::at(&format!("{item}.where.{key}"), message));
+                    None
+                }
+            }
+        };
+        // Numbers that stay when a group or a rule of the other kind is added.
+        let boulders: Vec<_> =
+            recipe.boulders.iter().enumerate().map(|(i, b)| area(format!("boulders[{i}]"), &b.area, 2 * i)).collect();
+        let paint: Vec<_> =
+            recipe.paint.iter().enumerate().map(|(i, p)| area(format!("paint[{i}]"), &p.area, 2 * i + 1)).collect();
+        if problems.is_empty() { Ok(Areas { boulders, paint }) } else { Err(Error::Invalid(problems)) }
+    }
+
+    /// The rules for the ground or for boulders, the last first, each with its number.
+    fn rules(&self, recipe: &'a Recipe, on: Painted) -> impl Iterator<Item = (usize, &'a Paint, Option<&Area<'a>>)> {
+        let rules = recipe.paint.iter().zip(&self.paint).enumerate().rev();
+        rules.filter(move |(_, (p, _))| p.on == on || p.on == Painted::All).map(|(i, (p, area))| (i, p, area.as_ref()))
+    }
+
+    /// The material that the last rule which holds gives to thing number `index`; where a rule holds to a share, it is by chance.
+    fn painted(
+        &self,
+        recipe: &'a Recipe,
+        materials: &[LandscapeMaterial],
+        on: Painted,
+        number: u64,
+        spot: impl Fn() -> Spot,
+    ) -> Option<crate::geometry::MaterialId> {
+        let mut found = None;
+        let mut known = None;
+        for (i, paint, area) in self.rules(recipe, on) {
+            let share = area.map_or(1.0, |area| area.share(*known.get_or_insert_with(&spot)));
+            let chance = || {
+                Draws::new(key_in(recipe.seed, Purpose::Paint, 2 * i + usize::from(on == Painted::Boulders), number))
+                    .unit()
+            };
+            if share >= 1.0 || (share > 0.0 && chance() < share) {
+                found = Some(index(materials, &paint.material));
+                break;
+            }
+        }
+        found
+    }
+
+    /// The material of each facet of the ground, by its middle.
+    fn of_ground(
+        &self,
+        recipe: &'a Recipe,
+        materials: &[LandscapeMaterial],
+        sheet: &sheet::Sheet,
+    ) -> Vec<crate::geometry::MaterialId> {
+        let ground = index(materials, &recipe.ground);
+        if self.rules(recipe, Painted::Ground).next().is_none() {
+            return vec![ground; sheet.facets.len()];
+        }
+        let facets = (0..sheet.facets.len()).into_par_iter().with_min_len(1 << 12);
+        facets
+            .map(|f| self.painted(recipe, materials, Painted::Ground, f as u64, || sheet.spot(f)).unwrap_or(ground))
+            .collect()
+    }
+
+    /// The material that a boulder is painted with.
+    fn of_boulder(
+        &self,
+        recipe: &'a Recipe,
+        materials: &[LandscapeMaterial],
+        number: usize,
+        spot: impl Fn() -> Spot,
+    ) -> Option<crate::geometry::MaterialId> {
+        self.painted(recipe, materials, Painted::Boulders, number as u64, spot)
+    }
 }
 
 #[cfg(test)]
@@ -84,9 +319,10 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
+    use crate::geometry::MaterialId;
 
     fn made(recipe: &Recipe) -> Landscape {
-        generate(recipe, &|_| true).unwrap()
+        generate(recipe, &Sources::default(), &|_| true).unwrap()
     }
 
     fn small() -> Recipe {
@@ -95,7 +331,7 @@ mod tests {
 
     impl Recipe {
         fn with_boulders(mut self, count: u32) -> Self {
-            self.boulders.count = count;
+            self.boulders[0].count = count;
             self
         }
     }
@@ -146,7 +382,7 @@ mod tests {
             let open = open_edges(mesh, part);
             let material = mesh.material[part[0]];
             assert!(part.iter().all(|&i| mesh.material[i] == material && mesh.facet(i).area_m2() > 1e-4));
-            if material == BOULDER {
+            if material == MaterialId(1) {
                 assert_eq!(open, [[0; 2]; 0]);
                 let volume_m3: f64 =
                     part.iter().map(|&i| mesh.facet(i).corners_m).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
@@ -168,8 +404,8 @@ mod tests {
             }
         }
         assert_eq!((boulders, grounds), (200, 1));
-        assert_eq!(landscape.boulders, 200);
-        assert!((mesh.facets.len() as f64 / 20_000.0 - 1.0).abs() < 0.02);
+        assert_eq!(landscape.boulders.iter().filter(|b| b.facets.is_some()).count(), 200);
+        assert!((mesh.facets.len() as f64 / 20_000.0 - 1.0).abs() < 0.01);
     }
 
     #[test]
@@ -194,10 +430,11 @@ mod tests {
 
     #[test]
     fn more_facets_are_the_same_place() {
-        // Grids of 50 and of 100 cells share every other point; steps of 20 and 10 m leave out what is below 60 and 30 m.
+        // Grids of 50 and of 100 cells share every other point; on steps of 20 and 10 m all is there that is at least 80 and 40 m wide.
         let mut recipe = Recipe { facets: 5000, size_m: 1000.0, ..Recipe::new(5) }.with_boulders(0);
-        recipe.relief = Relief { rms_m: 20.0, longest_m: 640.0, hurst: 0.9 };
-        recipe.craters = Craters { count: 100, min_diameter_m: 60.0, ..Craters::default() };
+        recipe.relief = vec![Relief::Rolling { rms_m: 20.0, longest_m: 640.0, hurst: 0.9 }];
+        recipe.craters =
+            vec![Craters { count: 100, min_diameter_m: 80.0, overlap: Overlap::Add, ..Craters::default() }];
         let coarse = made(&recipe).mesh;
         recipe.facets = 20_000;
         let fine = made(&recipe).mesh;
@@ -224,38 +461,70 @@ mod tests {
     #[test]
     fn a_crater_on_flat_ground_is_a_fifth_as_deep_as_wide() {
         let mut recipe = Recipe { facets: 500_000, size_m: 1000.0, ..Recipe::new(3) }.with_boulders(0);
-        recipe.relief.rms_m = 0.0;
-        recipe.craters =
-            Craters { count: 1, min_diameter_m: 200.0, max_diameter_m: 200.0, softness: 0.0, ..Craters::default() };
+        recipe.relief = vec![];
+        let placed = vec![PlacedCrater { x_m: 31.0, y_m: -7.0, diameter_m: 200.0, age: 0.0 }];
+        recipe.craters = vec![Craters { placed, ..Craters::default() }];
         let (lo, hi) = made(&recipe).mesh.bounds_m().unwrap();
         // Grid points miss centre and crest by at most 1.42 m: 40 m (1.42 / 100)^2 and the inner wall's slope of 0.8.
         assert!((lo.z + 32.0).abs() < 0.01, "{lo}");
         assert!(hi.z <= 8.0 && hi.z > 8.0 - 0.2, "{hi}");
     }
 
+    /// Heights of a boulder's vertices over the ground's facets, by a search through all of them.
+    fn heights_m(mesh: &Mesh, ground: usize, boulder: &MadeBoulder) -> Vec<f64> {
+        let [first, count] = boulder.facets.unwrap();
+        let mut vertices: Vec<u32> = mesh.facets[first..first + count].iter().flatten().copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let above = |v: u32| {
+            let p = mesh.vertices_m[v as usize];
+            let below = mesh.facets[..ground].iter().find_map(|f| {
+                let [a, b, c] = f.map(|v| mesh.vertices_m[v as usize]);
+                let side = |a: glam::DVec3, b: glam::DVec3| (b - a).truncate().perp_dot((p - a).truncate());
+                let [ab, bc, ca] = [side(a, b), side(b, c), side(c, a)];
+                (ab >= -1e-9 && bc >= -1e-9 && ca >= -1e-9).then(|| (a.z * bc + b.z * ca + c.z * ab) / (ab + bc + ca))
+            });
+            p.z - below.unwrap()
+        };
+        vertices.into_iter().map(above).collect()
+    }
+
     #[test]
-    fn boulders_are_sunk_as_asked() {
-        let mut recipe = small();
-        recipe.relief.rms_m = 0.0;
-        recipe.craters.count = 0;
-        for sunk in [0.0, 0.3, 0.5, 1.0] {
-            recipe.boulders.sunk = sunk;
-            let mesh = made(&recipe).mesh;
-            let mut seen = 0;
-            for part in components(&mesh).iter().filter(|part| mesh.material[part[0]] == BOULDER) {
-                let heights_m = || part.iter().flat_map(|&i| mesh.facet(i).corners_m).map(|p| p.z);
-                let (lo, hi) = (heights_m().fold(f64::MAX, f64::min), heights_m().fold(f64::MIN, f64::max));
-                assert!((-lo - sunk * (hi - lo)).abs() < 3e-5, "{lo} {hi}");
+    fn boulders_are_buried_as_asked_and_none_floats() {
+        let detail = Some(Detail { x_m: 40.0, y_m: -30.0, size_m: 60.0, growth: 0.1 });
+        let mut seen = 0;
+        for (shape, buried, detail) in [
+            (Shape::Angular, Span::One(0.0), None),
+            (Shape::Slab, Span::One(0.3), None),
+            (Shape::Any, Span::Range([0.1, 0.9]), detail),
+            (Shape::Lumpy, Span::One(1.0), None),
+        ] {
+            let mut recipe = Recipe { facets: 6000, size_m: 200.0, detail, ..Recipe::new(11) };
+            recipe.relief = vec![Relief::Ridged { rms_m: 8.0, longest_m: 80.0, hurst: 0.9 }];
+            recipe.craters = vec![Craters { count: 30, max_diameter_m: 100.0, ..Craters::default() }];
+            recipe.boulders = vec![Boulders { count: 40, shape, buried, ..Boulders::default() }];
+            let made = made(&recipe);
+            let ground = made.boulders[0].facets.unwrap()[0];
+            for boulder in &made.boulders {
+                let heights_m = heights_m(&made.mesh, ground, boulder);
+                let (lo, hi) = heights_m.iter().fold((f64::MAX, f64::MIN), |(lo, hi), h| (lo.min(*h), hi.max(*h)));
+                // Coordinates are rounded to 1e-5 m, on slopes of up to 2.
+                assert!(
+                    (-lo - boulder.buried * (hi - lo)).abs() < 1e-4,
+                    "{shape:?}: {lo} to {hi}, not {}",
+                    boulder.buried
+                );
+                assert!(lo < 1e-3, "a gap of {lo} m");
                 seen += 1;
             }
-            assert_eq!(seen, 200);
         }
+        assert_eq!(seen, 160);
     }
 
     #[test]
     fn stopping_makes_nothing() {
         for stop_at in [0.0, 0.3, 1.0] {
-            let result = generate(&small(), &|p| (p.done as f64) < stop_at * p.total as f64);
+            let result = generate(&small(), &Sources::default(), &|p| (p.done as f64) < stop_at * p.total as f64);
             assert!(matches!(result, Err(Error::Interrupted)), "{stop_at}");
         }
     }
@@ -263,7 +532,9 @@ mod tests {
     #[test]
     fn bad_values_are_refused_before_anything_is_made() {
         let recipe = Recipe { facets: 4_100_000, ..small() };
-        let Err(Error::Invalid(problems)) = generate(&recipe, &|_| unreachable!()) else { panic!("accepted") };
+        let Err(Error::Invalid(problems)) = generate(&recipe, &Sources::default(), &|_| unreachable!()) else {
+            panic!("accepted")
+        };
         assert_eq!(problems, recipe.check());
         assert_eq!(problems.len(), 1);
     }

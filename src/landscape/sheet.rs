@@ -1,212 +1,183 @@
-//! The ground: heights on a regular grid, two triangles to a cell.
+//! The ground as a mesh: heights at the layout's places, two triangles to a cell, and strips between rings.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::crater::Crater;
-use super::relief::Octave;
-use super::{GROUND, STAGE, rounded_m};
+use super::STAGE;
+use super::area::Spot;
+use super::base::Base;
+use super::cratering::Ground;
+use super::division::Division;
+use super::layout::{Grading, Layout, StripFacet};
 use crate::error::Result;
-use crate::geometry::cell::{self, cell_at, cut};
-use crate::geometry::{Mesh, index_u32, whole};
+use crate::geometry::cell::{self, cell_at};
+use crate::geometry::index_u32;
 use crate::progress::{Watch, tell};
 
-/// Rows that are made together: they share one search for craters.
-const BAND: usize = 16;
+/// Vertices between two progress reports.
+const BLOCK: usize = 1 << 15;
 
-/// Bands between two progress reports.
-const BANDS_AT_ONCE: usize = 8;
-
-/// A square sheet of ground, centred.
+/// The ground.
 #[derive(Debug, Clone)]
 pub(super) struct Sheet {
-    size_m: f64,
-    /// Cells west to east and south to north; there is one grid point more each way.
-    columns: usize,
-    rows: usize,
-    /// Heights of the grid points, row by row from the south-west corner, m, rounded as the mesh has them.
+    grading: Grading,
+    layout: Layout,
+    base: Base,
+    /// The vertices on the map, m, and their heights over the base, m.
+    places_m: Vec<[f64; 2]>,
     heights_m: Vec<f64>,
+    /// The vertices as the mesh has them, m.
+    pub(super) vertices_m: Vec<DVec3>,
+    /// Counter-clockwise seen from above: the grid's cells, two each, row by row; then strip after strip.
+    pub(super) facets: Vec<[u32; 3]>,
+    /// The first facet of each strip, and its facets; four strips for each ring: south, east, north, west.
+    strips: Vec<(usize, Vec<StripFacet>)>,
 }
 
 impl Sheet {
-    /// Sums relief and craters at each grid point.
+    /// Finds the height of each vertex.
     ///
     /// # Errors
     /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
-    pub(super) fn new(
-        size_m: f64,
-        columns: usize,
-        rows: usize,
-        octaves: &[Octave],
-        craters: &[Crater],
-        watch: Watch<'_>,
-    ) -> Result<Self> {
-        let width = columns + 1;
-        let mut sheet = Sheet { size_m, columns, rows, heights_m: Vec::new() };
-        let mut heights_m = vec![0.0; width * (rows + 1)];
-        let points = heights_m.len();
-        let block = width * BAND * BANDS_AT_ONCE;
-        for (b, block_m) in heights_m.chunks_mut(block).enumerate() {
-            tell(watch, STAGE, (b * block) as u64, points as u64)?;
-            block_m
-                .par_chunks_mut(width * BAND)
-                .enumerate()
-                .for_each(|(i, band_m)| sheet.fill(band_m, (b * BANDS_AT_ONCE + i) * BAND, octaves, craters));
+    pub(super) fn new(division: &Division, ground: &Ground, base: Base, watch: Watch<'_>) -> Result<Self> {
+        let (grading, layout) = (division.grading.clone(), division.layout.clone());
+        let mut places_m: Vec<[f64; 2]> = Vec::with_capacity(layout.vertices());
+        places_m.extend(layout.places_m());
+        let mut heights_m = vec![0.0; places_m.len()];
+        for (b, (block_m, at_m)) in heights_m.chunks_mut(BLOCK).zip(places_m.chunks(BLOCK)).enumerate() {
+            tell(watch, STAGE, (b * BLOCK) as u64, places_m.len() as u64)?;
+            block_m.par_iter_mut().zip(at_m).with_min_len(256).for_each(|(height_m, &[x_m, y_m])| {
+                let relief = base.relief(x_m, y_m);
+                let exact_m =
+                    if relief > 0.0 { relief * ground.height_m(x_m, y_m, grading.step_at_m(x_m, y_m)) } else { 0.0 };
+                *height_m = (exact_m * base.digits()).round() / base.digits() + 0.0;
+            });
         }
-        sheet.heights_m = heights_m;
-        Ok(sheet)
-    }
+        let vertices_m = (places_m.par_iter().zip(&heights_m))
+            .map(|(&[x_m, y_m], &z_m)| rounded_m(base.point_m(DVec3::new(x_m, y_m, z_m)), base.digits()))
+            .collect();
 
-    /// Grid points.
-    pub(super) fn points(&self) -> usize {
-        self.heights_m.len()
-    }
-
-    /// Makes the heights of whole rows, from row `first` on.
-    fn fill(&self, heights_m: &mut [f64], first: usize, octaves: &[Octave], craters: &[Crater]) {
-        let width = self.columns + 1;
-        let rows = first..first + heights_m.len() / width;
-        for (row_m, j) in heights_m.chunks_mut(width).zip(rows.clone()) {
-            for (i, height_m) in row_m.iter_mut().enumerate() {
-                let (x_m, y_m) = (self.x_m(i), self.y_m(j));
-                *height_m = octaves.iter().map(|octave| octave.height_m(x_m, y_m)).sum();
+        let [columns, rows] = layout.grid();
+        let mut facets = Vec::with_capacity(layout.facets());
+        for j in 0..rows {
+            for i in 0..columns {
+                let corners = corners(i, j, columns);
+                facets.extend(cell::cut(corners, corners.map(|v| heights_m[v as usize])));
             }
         }
-        // Crater by crater and only where it reaches; each point still sums its craters in their order.
-        for crater in craters {
-            let reach_m = crater.reach_m();
-            let reached = within(crater.y_m, reach_m, self.size_m, self.rows);
-            for j in reached.start.max(rows.start)..reached.end.min(rows.end) {
-                let dy_m = self.y_m(j) - crater.y_m;
-                let half_chord_m = (reach_m * reach_m - dy_m * dy_m).max(0.0).sqrt();
-                let row_m = &mut heights_m[(j - first) * width..][..width];
-                for i in within(crater.x_m, half_chord_m, self.size_m, self.columns) {
-                    let dx_m = self.x_m(i) - crater.x_m;
-                    row_m[i] += crater.height_m(dx_m * dx_m + dy_m * dy_m);
-                }
+        let mut strips = Vec::new();
+        for ring in 0..layout.rings.len() - 1 {
+            for side in 0..4 {
+                let strip = layout.strip(ring, side);
+                let first = facets.len();
+                facets.extend(strip.iter().map(|f| f.facet));
+                strips.push((first, strip));
             }
         }
-        for height_m in heights_m {
-            *height_m = rounded_m(DVec3::splat(*height_m)).x;
+        Ok(Sheet { grading, layout, base, places_m, heights_m, vertices_m, facets, strips })
+    }
+
+    /// The facet below a place, m; beyond the border the nearest.
+    fn facet_at(&self, x_m: f64, y_m: f64) -> usize {
+        let half_m = self.grading.half_m(x_m, y_m);
+        let rings = &self.layout.rings;
+        if half_m <= self.grading.core_m || rings.len() == 1 {
+            let [columns, rows] = self.layout.grid();
+            let place = |axis: usize, p_m: f64, cells: usize| {
+                let share = 0.5 + 0.5 * (p_m - rings[0].middle_m[axis]) / self.grading.core_m;
+                cell_at((share * cells as f64).clamp(0.0, cells as f64), cells)
+            };
+            let ((i, u), (j, v)) = (place(0, x_m, columns), place(1, y_m, rows));
+            let first = 2 * (j * columns + i);
+            let [_, _, north_east, _] = corners(i, j, columns);
+            let in_first = if self.facets[first][2] == north_east { u >= v } else { u + v <= 1.0 };
+            return first + usize::from(!in_first);
         }
+        let outer = rings.partition_point(|ring| ring.half_m < half_m).clamp(1, rings.len() - 1);
+        let side = self.grading.side(x_m, y_m);
+        let (first, strip) = &self.strips[4 * (outer - 1) + side];
+        let place = |v: u32| DVec2::from_array(self.places_m[v as usize]);
+        let at = DVec2::new(x_m, y_m);
+        // Facets whose last edge, from the outer ring to the inner, has the place on its right come before it.
+        let before = |f: &StripFacet| (place(f.inner) - place(f.outer)).perp_dot(at - place(f.outer)) <= 0.0;
+        first + strip.partition_point(before).min(strip.len() - 1)
     }
 
-    fn x_m(&self, column: usize) -> f64 {
-        self.size_m * (column as f64 / self.columns as f64 - 0.5)
-    }
-
-    fn y_m(&self, row: usize) -> f64 {
-        self.size_m * (row as f64 / self.rows as f64 - 0.5)
-    }
-
-    /// Heights of a cell's corners, counter-clockwise from the south-west, m.
-    fn corners_m(&self, column: usize, row: usize) -> [f64; 4] {
-        let south = row * (self.columns + 1) + column;
-        let north = south + self.columns + 1;
-        [south, south + 1, north + 1, north].map(|i| self.heights_m[i])
-    }
-
-    /// Height of the triangles at a place on the sheet, m.
+    /// Height over the base at a place, m, as the facets have it on the map.
     pub(super) fn height_m(&self, x_m: f64, y_m: f64) -> f64 {
-        let place = |p_m: f64, cells: usize| {
-            cell_at(((p_m / self.size_m + 0.5) * cells as f64).clamp(0.0, cells as f64), cells)
-        };
-        let ((i, u), (j, v)) = (place(x_m, self.columns), place(y_m, self.rows));
-        cell::height_m(self.corners_m(i, j), u, v)
+        let corners = self.facets[self.facet_at(x_m, y_m)].map(|v| {
+            let ([x_m, y_m], z_m) = (self.places_m[v as usize], self.heights_m[v as usize]);
+            DVec3::new(x_m, y_m, z_m)
+        });
+        above_m(DVec3::new(x_m, y_m, 0.0), corners, DVec3::Z).map_or(corners[0].z, |above_m| -above_m)
     }
 
-    /// The sheet as a mesh, each cell cut by its shorter diagonal, facets counter-clockwise seen from above.
-    pub(super) fn mesh(&self) -> Mesh {
-        let width = self.columns + 1;
-        let mut mesh = Mesh::default();
-        mesh.vertices_m.reserve_exact(self.heights_m.len());
-        mesh.facets.reserve_exact(2 * self.columns * self.rows);
-        for (j, row_m) in self.heights_m.chunks(width).enumerate() {
-            let y_m = self.y_m(j);
-            mesh.vertices_m
-                .extend(row_m.iter().enumerate().map(|(i, &z_m)| rounded_m(DVec3::new(self.x_m(i), y_m, z_m))));
-        }
-        for j in 0..self.rows {
-            for i in 0..self.columns {
-                let sw = index_u32(j * width + i);
-                let nw = sw + index_u32(width);
-                let (se, ne) = (sw + 1, nw + 1);
-                mesh.facets.extend(cut([sw, se, ne, nw], self.corners_m(i, j)));
-            }
-        }
-        mesh.material = vec![GROUND; mesh.facets.len()];
-        mesh
+    /// Where the vertices lie on the map, m.
+    pub(super) fn places_m(&self) -> &[[f64; 2]] {
+        &self.places_m
+    }
+
+    /// What the ground is like at the middle of a facet.
+    pub(super) fn spot(&self, facet: usize) -> Spot {
+        let corners = self.facets[facet].map(|v| {
+            let ([x_m, y_m], z_m) = (self.places_m[v as usize], self.heights_m[v as usize]);
+            DVec3::new(x_m, y_m, z_m)
+        });
+        let [a_m, b_m, c_m] = corners;
+        let (middle_m, normal) = ((a_m + b_m + c_m) / 3.0, (b_m - a_m).cross(c_m - a_m).normalize_or_zero());
+        let slope_deg = normal.z.clamp(-1.0, 1.0).acos().to_degrees();
+        Spot { x_m: middle_m.x, y_m: middle_m.y, height_m: middle_m.z, slope_deg }
+    }
+
+    /// Normal of the ground over so many metres around a place, in the site's axes: unit vector.
+    pub(super) fn normal(&self, x_m: f64, y_m: f64, radius_m: f64) -> DVec3 {
+        let east_m = self.height_m(x_m + radius_m, y_m) - self.height_m(x_m - radius_m, y_m);
+        let north_m = self.height_m(x_m, y_m + radius_m) - self.height_m(x_m, y_m - radius_m);
+        DVec3::new(-east_m, -north_m, 2.0 * radius_m).normalize()
+    }
+
+    /// How far a place of the site lies above the mesh, along what is up there, m.
+    pub(super) fn above_m(&self, site_m: DVec3) -> f64 {
+        let corners = self.facets[self.facet_at(site_m.x, site_m.y)].map(|v| self.vertices_m[v as usize]);
+        let up = self.base.up(site_m.x, site_m.y);
+        above_m(self.base.point_m(site_m), corners, up).unwrap_or(0.0)
+    }
+
+    /// How far the mesh's end lies off the base, at its vertices or half way between them, m, at most.
+    pub(super) fn seam_m(&self) -> f64 {
+        let end = self.layout.end();
+        let next = end.iter().cycle().skip(1);
+        let off_m = |x_m: f64, y_m: f64, p_m: DVec3| (p_m - self.base.point_m(DVec3::new(x_m, y_m, 0.0))).length();
+        let seams_m = end.iter().zip(next).map(|(&a, &b)| {
+            let [[ax_m, ay_m], [bx_m, by_m]] = [a, b].map(|v| self.places_m[v as usize]);
+            let [p_m, q_m] = [a, b].map(|v| self.vertices_m[v as usize]);
+            off_m(ax_m, ay_m, p_m).max(off_m(0.5 * (ax_m + bx_m), 0.5 * (ay_m + by_m), 0.5 * (p_m + q_m)))
+        });
+        seams_m.fold(0.0, f64::max)
+    }
+
+    /// A place of the site in the axes of the mesh, m.
+    pub(super) fn placed_m(&self, site_m: DVec3) -> DVec3 {
+        rounded_m(self.base.point_m(site_m), self.base.digits())
     }
 }
 
-/// The grid points, of `cells` + 1 over a centred length, that lie within `reach_m` of a place (or one beyond).
-fn within(centre_m: f64, reach_m: f64, length_m: f64, cells: usize) -> std::ops::Range<usize> {
-    let point = |p_m: f64| (p_m / length_m + 0.5) * cells as f64;
-    let first = whole(point(centre_m - reach_m));
-    let last = whole(point(centre_m + reach_m).ceil());
-    first.min(cells + 1)..(last + 1).min(cells + 1)
+/// How far a point lies above the plane of a facet, along `up`, m; none if the plane holds `up`.
+fn above_m(p_m: DVec3, [a_m, b_m, c_m]: [DVec3; 3], up: DVec3) -> Option<f64> {
+    let normal = (b_m - a_m).cross(c_m - a_m);
+    let above_m = (p_m - a_m).dot(normal) / up.dot(normal);
+    above_m.is_finite().then_some(above_m)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::landscape::{Recipe, crater, relief};
+/// Vertices at the corners of a cell, counter-clockwise from the south-west.
+fn corners(column: usize, row: usize, columns: usize) -> [u32; 4] {
+    let south = index_u32(row * (columns + 1) + column);
+    let north = south + index_u32(columns + 1);
+    [south, south + 1, north + 1, north]
+}
 
-    fn sheet(columns: usize, rows: usize) -> Sheet {
-        let recipe = Recipe::new(1);
-        let octaves = relief::octaves(&recipe.relief, 1, 50.0);
-        let craters: Vec<Crater> = crater::craters(&recipe.craters, 1, 300.0).take(300).collect();
-        Sheet::new(300.0, columns, rows, &octaves, &craters, &|_| true).unwrap()
-    }
-
-    #[test]
-    fn height_between_grid_points_is_that_of_the_facets() {
-        let sheet = sheet(31, 29);
-        let mesh = sheet.mesh();
-        assert_eq!(mesh.facets.len(), 2 * 31 * 29);
-        let mut rising = 0;
-        for i in 0..mesh.facets.len() {
-            for (u, v) in [(0.3, 0.3), (0.05, 0.05), (0.05, 0.9), (0.9, 0.05)] {
-                let p = mesh.facet(i).point_m(u, v);
-                // Coordinates are rounded to 1e-5 m, slopes are below 2.
-                assert!((sheet.height_m(p.x, p.y) - p.z).abs() < 5e-5, "{p}");
-            }
-            let [_, b, c] = mesh.facets[i];
-            rising += usize::from(i % 2 == 0 && c == b + 32);
-        }
-        // Of 899 cells, both diagonals are in use.
-        assert!(rising > 100 && rising < 800, "{rising}");
-    }
-
-    #[test]
-    fn each_cell_is_cut_by_its_shorter_diagonal() {
-        let sheet = sheet(20, 20);
-        let mesh = sheet.mesh();
-        let mut seen = 0;
-        for pair in mesh.facets.chunks(2) {
-            let shared: Vec<u32> = pair[0].into_iter().filter(|v| pair[1].contains(v)).collect();
-            let apart = pair.iter().map(|f| f.iter().find(|v| !shared.contains(v)).unwrap()).collect::<Vec<_>>();
-            let length_m = |a: u32, b: u32| mesh.vertices_m[a as usize].distance(mesh.vertices_m[b as usize]);
-            assert!(length_m(shared[0], shared[1]) <= length_m(*apart[0], *apart[1]) + 1e-5);
-            seen += 1;
-        }
-        assert_eq!(seen, 400);
-    }
-
-    #[test]
-    fn craters_are_summed_wherever_they_reach() {
-        // The bands and chords of `fill` against all craters at all points.
-        let sheet = sheet(40, 50);
-        let recipe = Recipe::new(1);
-        let octaves = relief::octaves(&recipe.relief, 1, 50.0);
-        let craters: Vec<Crater> = crater::craters(&recipe.craters, 1, 300.0).take(300).collect();
-        for (i, height_m) in sheet.heights_m.iter().enumerate() {
-            let (x_m, y_m) = (sheet.x_m(i % 41), sheet.y_m(i / 41));
-            let ground_m: f64 = octaves.iter().map(|octave| octave.height_m(x_m, y_m)).sum();
-            let craters_m: f64 =
-                craters.iter().map(|c| c.height_m((x_m - c.x_m).powi(2) + (y_m - c.y_m).powi(2))).sum();
-            assert!((ground_m + craters_m - height_m).abs() < 0.6e-5);
-        }
-        assert_eq!(sheet.heights_m.len(), 41 * 51);
-    }
+/// The nearest whole multiple of 1 / `digits` m, as the f64 that reading its decimal text gives: a whole number over a whole
+/// number is rounded once, as the text is. Adding zero makes -0 into 0.
+pub(super) fn rounded_m(v: DVec3, digits: f64) -> DVec3 {
+    (v * digits).round() / digits + DVec3::ZERO
 }

@@ -292,7 +292,7 @@ impl Extremes {
             (brightness > 0.0).then_some(Sunlit { material, brightness, cos_incidence })
         };
         Extremes {
-            open_to_shadow: site.open_to_shadow(mesh, scene.sky.sun.direction.vec()),
+            open_to_shadow: site.open_to_shadow(mesh, scene.sky.sun.direction.vec(), glimpse.facets()),
             throw_m: shelters.penumbra.as_ref().map(|penumbra| penumbra.throw_m),
             sunlit: glimpse.facets().filter_map(place).collect(),
             site,

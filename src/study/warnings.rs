@@ -113,7 +113,7 @@ pub(super) fn of_scene(scene: &Scene, site: &Site, open_to_shadow: f64, uses_sun
     }
     if uses_sun && open_to_shadow > 0.0 {
         all.push(format!(
-            "{:.1} % of the site might be shadowed by terrain outside it: from there, rays to the Sun leave the site below its highest point",
+            "{:.1} % of what the image shows might be shadowed by terrain outside the mesh: from there, rays to the Sun leave the mesh below its highest point",
             100.0 * open_to_shadow
         ));
     }

@@ -132,7 +132,10 @@ fn a_host_polls_and_stops() {
 
     // Once stopped, it stops all that is given to.
     let recipe = landscape::Recipe::new(7);
-    assert!(matches!(landscape::generate(&recipe, &|p| gauge.watch(p)), Err(Error::Interrupted)));
+    assert!(matches!(
+        landscape::generate(&recipe, &landscape::Sources::default(), &|p| gauge.watch(p)),
+        Err(Error::Interrupted)
+    ));
 }
 
 #[test]

@@ -63,6 +63,7 @@ mod isd;
 mod image_files;
 mod invariance;
 mod knowledge;
+mod landscapes;
 mod layers;
 mod locate;
 mod lon_lat;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use mmxrt::geometry::{Camera, FrameCamera, Mesh, ParallelCamera, Pose, Texels as Between};
 use mmxrt::integrate::ViewChoice;
 use mmxrt::integrate::Wanted;
-use mmxrt::landscape::{self, Recipe};
+use mmxrt::landscape::{self, Boulders, Craters, Recipe, Relief, Sources};
 use mmxrt::product::{Atlas, FacetTable, Placement, RadianceMap, SkyShare, TexelSource, ViewImage};
 use mmxrt::progress::unwatched;
 use mmxrt::scene::{Material, Scene};
@@ -69,15 +69,10 @@ fn coverage(observation: &Observation) -> &[f64] {
 /// Hills with craters and boulders, 40 m wide.
 fn site() -> Mesh {
     let mut recipe = Recipe { facets: 3000, size_m: 40.0, ..Recipe::new(5) };
-    recipe.relief.rms_m = 1.5;
-    recipe.relief.longest_m = 30.0;
-    recipe.craters.count = 20;
-    recipe.craters.min_diameter_m = 3.0;
-    recipe.craters.max_diameter_m = 12.0;
-    recipe.boulders.count = 15;
-    recipe.boulders.min_diameter_m = 1.0;
-    recipe.boulders.max_diameter_m = 4.0;
-    of_material(landscape::generate(&recipe, &|_| true).unwrap().mesh, 0)
+    recipe.relief = vec![Relief::Rolling { rms_m: 1.5, longest_m: 30.0, hurst: 1.0 }];
+    recipe.craters = vec![Craters { count: 20, min_diameter_m: 3.0, max_diameter_m: 12.0, ..Craters::default() }];
+    recipe.boulders = vec![Boulders { count: 15, min_diameter_m: 1.0, max_diameter_m: 4.0, ..Boulders::default() }];
+    of_material(landscape::generate(&recipe, &Sources::default(), &|_| true).unwrap().mesh, 0)
 }
 
 pub(crate) fn camera_image(camera: &FrameCamera, occlusion: bool) -> Placement {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use mmxrt::geometry::{Direction, Mesh};
-use mmxrt::landscape::{Recipe, generate};
+use mmxrt::landscape::{Recipe, Sources, generate};
 use mmxrt::physics::sun_disc::DiscRule;
 use mmxrt::product::{FacetTable, Lighting, Sees};
 use mmxrt::progress::unwatched;
@@ -27,7 +27,7 @@ fn subsets(groups: &FacetGroups, draws: &mut Draws) -> Vec<Vec<bool>> {
 fn parts_are_lit_as_on_the_whole_body() {
     let flat = |z: f64| grid(32.0, 32, move |_, _| z);
     let meshes: [(&str, Mesh); 4] = [
-        ("site", generate(&Recipe { facets: 6000, ..Recipe::new(3) }, &unwatched).unwrap().mesh),
+        ("site", generate(&Recipe { facets: 6000, ..Recipe::new(3) }, &Sources::default(), &unwatched).unwrap().mesh),
         ("ball", sphere([1.0, -2.0, 3.0], 5.0, 4)),
         // Integer heights, one on the other, and one twice.
         ("layers", joined(&[flat(0.0), flat(1.0), flat(1.0), flat(4.0)])),

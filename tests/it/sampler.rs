@@ -8,20 +8,19 @@ use crate::shapes::*;
 use glam::DVec3;
 use mmxrt::geometry::FrameCamera;
 use mmxrt::geometry::{Direction, Mesh};
-use mmxrt::landscape::{self, Recipe};
+use mmxrt::landscape::{self, Boulders, Craters, Recipe, Relief, Sources};
 use mmxrt::study::{Fill, MapOptions};
 
 /// 200 m of hills, craters and 150 half-sunk boulders of 2 to 12 m, facets of 2 m.
 fn site() -> Mesh {
     let mut recipe = Recipe { facets: 20_000, size_m: 200.0, ..Recipe::new(3) };
-    recipe.relief.rms_m = 8.0;
-    recipe.relief.longest_m = 120.0;
-    recipe.craters.count = 200;
-    recipe.craters.min_diameter_m = 6.0;
-    recipe.craters.max_diameter_m = 60.0;
-    recipe.boulders.count = 150;
-    let site = landscape::generate(&recipe, &|_| true).unwrap();
-    assert!(site.boulders == 150 && site.craters > 100, "{} boulders, {} craters", site.boulders, site.craters);
+    recipe.relief = vec![Relief::Rolling { rms_m: 8.0, longest_m: 120.0, hurst: 1.0 }];
+    recipe.craters = vec![Craters { count: 200, min_diameter_m: 6.0, max_diameter_m: 60.0, ..Craters::default() }];
+    recipe.boulders = vec![Boulders { count: 150, ..Boulders::default() }];
+    let site = landscape::generate(&recipe, &Sources::default(), &|_| true).unwrap();
+    let shown =
+        [site.boulders.iter().filter(|b| b.facets.is_some()).count(), site.craters.iter().filter(|c| c.shown).count()];
+    assert!(shown[0] == 150 && shown[1] > 100, "{shown:?} boulders and craters");
     site.mesh
 }
 

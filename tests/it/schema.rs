@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use mmxrt::formats::{
-    campaign_toml, flight_table, instrument_toml, knowledge_toml, manifest_json, radiance_map, report_json, scene_toml,
+    campaign_toml, flight_table, instrument_toml, knowledge_toml, manifest_json, radiance_map, recipe_toml,
+    report_json, scene_toml,
 };
 
 #[test]
@@ -19,6 +20,7 @@ fn schemas_are_those_of_the_types() {
         ("report.schema.json", report_json::report_schema()),
         ("run.schema.json", report_json::run_schema()),
         ("scene.schema.json", scene_toml::schema()),
+        ("recipe.schema.json", recipe_toml::schema()),
     ];
     for (name, schema) in generated {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas").join(name);

@@ -1,15 +1,18 @@
 //! Meshes: read or made, and placed.
 
+use std::path::Path;
+
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-use crate::error::number;
+use crate::error::{Location, number};
 use crate::formats::instances_csv;
 use crate::formats::mesh_file::{MOST, NamedPose};
 use crate::formats::mtl::{self, ObjMaterial};
-use crate::formats::{coloured_mesh::Placing, recipe_toml, registry};
-use crate::geometry::{Copies, FrameCamera, Mesh, Pose, body_from_site};
-use crate::landscape;
-use crate::report::Note;
+use crate::formats::recipe_toml::{self, OpenedRecipe};
+use crate::formats::{coloured_mesh::Placing, registry};
+use crate::geometry::{Copies, FrameCamera, Mesh, Pose, body_from_site, index_u32};
+use crate::landscape::{self, LandscapeMaterial};
+use crate::report::{Fate, Note};
 
 use super::materials::Dictionary;
 use super::types::{Coordinates, GivenPose, MeshToml, PoseToml, RecipeToml};
@@ -17,6 +20,19 @@ use super::{ROUNDED, TomlReader, UNIT_TOLERANCE};
 
 /// A mesh in its own axes, and where its instances stand.
 type Placed = (Mesh, Vec<DAffine3>);
+
+/// What is said of materials that a recipe mixes and a scene does not know.
+fn unknown_mixtures(materials: &[LandscapeMaterial], known: &[String]) -> Vec<Note> {
+    let mixed = materials.iter().filter(|material| !known.contains(&material.name));
+    let of = |material: &LandscapeMaterial| {
+        let parts: Vec<String> =
+            material.mixture.as_ref()?.iter().map(|(name, share)| format!("{name:?} = {share:?}")).collect();
+        let name = &material.name;
+        let message = format!("the recipe mixes it: `{name:?} = {{ mixture = {{ {} }} }}`", parts.join(", "));
+        Some(Note { at: Location::item(name), fate: Fate::Defaulted, message })
+    };
+    mixed.filter_map(of).collect()
+}
 
 /// A camera that is more sizes of the scene away looks at next to nothing.
 const FAR: f64 = 1000.0;
@@ -61,8 +77,15 @@ impl TomlReader<'_> {
                 begins.push(all.vertices_m.len());
             }
             match (mesh, &mut all) {
-                (Some(mesh), Some(all)) if all.facets.is_empty() => *all = mesh,
-                (Some(mesh), Some(all)) => all.append(mesh),
+                (Some(mesh), Some(all)) if all.facets.is_empty() => {
+                    self.around.append(&mut self.beyond);
+                    *all = mesh;
+                }
+                (Some(mesh), Some(all)) => {
+                    let begin = index_u32(all.vertices_m.len());
+                    self.around.extend(self.beyond.drain(..).map(|v| v + begin));
+                    all.append(mesh);
+                }
                 (None, _) => all = None,
                 (Some(_), None) => {}
             }
@@ -75,7 +98,7 @@ impl TomlReader<'_> {
 
     /// A mesh where it stands, or all of its instances where they do; then also one of them in its own axes, and their places.
     fn mesh(&mut self, item: &str, toml: &MeshToml, dictionary: &mut Dictionary) -> Option<(Mesh, Option<Placed>)> {
-        let pose = self.pose(item, toml);
+        let mut pose = toml.recipe.is_none().then(|| self.pose(item, toml));
         let key = |key: &str| format!("{item}.{key}");
         let source = key(toml.source());
         let (mut mesh, materials, doubts) = match (&toml.file, &toml.obj, &toml.recipe) {
@@ -90,7 +113,17 @@ impl TomlReader<'_> {
                 for (_, name) in for_files.into_iter().filter(|(given, _)| *given) {
                     self.problem(&key(name), "a recipe makes metres, z up, local: this is for meshes of files");
                 }
-                (self.recipe(&source, recipe)?.mesh, mtl::of_landscapes(), vec![])
+                let made = self.recipe(&source, recipe);
+                pose = Some(match made.as_ref().and_then(|made| made.origin_m) {
+                    Some(on_body_m) => self.pose_on_body(item, toml, on_body_m),
+                    None => self.pose(item, toml),
+                });
+                let made = made?;
+                let doubts = made.doubts();
+                self.beyond = made.beyond;
+                self.notes.extend(doubts.into_iter().map(|doubt| format!("{source}: {doubt}")));
+                let mixed = unknown_mixtures(&made.materials, &dictionary.names);
+                (made.mesh, mtl::of_landscape(&made.materials), mixed)
             }
             _ => {
                 self.problem(item, "give either `file` (or `obj`, which is the same) or `recipe`");
@@ -122,7 +155,7 @@ impl TomlReader<'_> {
             None => None,
             Some(name) => Some(self.instances(&key("instances"), name, &mesh)?),
         };
-        let pose = pose?;
+        let pose = pose.flatten()?;
         let posed = DAffine3 { matrix3: pose.rotation, translation: pose.translation_m };
         let copies = places.map(|places| {
             let places: Vec<DAffine3> = places.into_iter().map(|place| posed * place).collect();
@@ -218,6 +251,15 @@ impl TomlReader<'_> {
         }
     }
 
+    /// Of a recipe that puts its site on a body: axes of the body, from where the site is.
+    fn pose_on_body(&mut self, item: &str, toml: &MeshToml, on_body_m: DVec3) -> Option<Pose> {
+        if toml.pose.is_some() {
+            self.problem(&format!("{item}.pose"), "the recipe puts its site on a body: leave this out");
+            return None;
+        }
+        Some(Pose { rotation: DMat3::IDENTITY, translation_m: on_body_m - self.origin_m })
+    }
+
     fn pose(&mut self, item: &str, toml: &MeshToml) -> Option<Pose> {
         let at = format!("{item}.pose");
         let given = match (&toml.pose, toml.recipe.is_some()) {
@@ -284,17 +326,16 @@ impl TomlReader<'_> {
     }
 
     fn recipe(&mut self, item: &str, toml: &RecipeToml) -> Option<landscape::Landscape> {
-        let made = match toml {
-            RecipeToml::Given(recipe) => {
-                landscape::generate(recipe, self.watch).map_err(|e| recipe_toml::placed(e, &self.document, item))
-            }
+        let opened = match toml {
+            RecipeToml::Given(any) => OpenedRecipe::new(any, self.document.clone(), item, &self.path(""), Vec::new()),
             RecipeToml::File(name) => {
-                let read = recipe_toml::read(&self.path(name));
-                let (recipe, input) = self.taken(item, read)?;
-                self.inputs.push(input);
-                landscape::generate(&recipe, self.watch)
+                let path = self.path(name);
+                recipe_toml::read(if path.is_file() { &path } else { recipe_toml::preset_or(Path::new(name), &path) })
             }
         };
+        let opened = self.taken(item, opened)?;
+        self.inputs.extend(opened.inputs.iter().cloned());
+        let made = opened.generate(self.watch);
         self.taken(item, made)
     }
 }

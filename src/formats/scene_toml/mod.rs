@@ -220,6 +220,9 @@ pub(super) struct TomlReader<'a> {
     motion: Option<(Motion, Timing)>,
     chain: Option<Chain>,
     copies: Vec<Copies>,
+    /// Vertices of the surroundings of recipes' sites, ascending: of the mesh that is being made, and of all.
+    beyond: Vec<u32>,
+    around: Vec<u32>,
     /// When else the scene is looked at, beside its own moment.
     moments: Option<Moments<'a>>,
     /// The item of another file that changes some of the scene, as `acquisitions[2]`: its keys are those of `flight`.
@@ -244,6 +247,8 @@ impl<'a> TomlReader<'a> {
             motion: None,
             chain: None,
             copies: Vec::new(),
+            beyond: Vec::new(),
+            around: Vec::new(),
             moments: None,
             entry: None,
             watch,

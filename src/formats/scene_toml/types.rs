@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::formats::mesh_file::{NamedPose, Up};
-use crate::landscape::Recipe;
+use crate::formats::recipe_toml::AnyRecipe;
 use crate::spectral::Light;
 
 use super::chain_types::{DetectorToml, OpticsToml};
@@ -59,7 +59,7 @@ pub(crate) struct MeshToml {
     pub(crate) file: Option<String>,
     /// The same as `file`.
     pub(crate) obj: Option<String>,
-    /// A landscape recipe, or the path of one.
+    /// A landscape recipe, or the path of one, or the name of a preset (`mmxrt landscape --list`).
     pub(crate) recipe: Option<RecipeToml>,
     /// The file's unit of length, m: 1000 for km. Default 1.
     #[schemars(extend("exclusiveMinimum" = 0))]
@@ -86,7 +86,7 @@ pub(crate) enum RecipeToml {
     /// Path of a recipe.
     File(String),
     /// The recipe itself.
-    Given(Box<Recipe>),
+    Given(AnyRecipe),
 }
 
 /// Where a mesh's coordinates start.
@@ -1088,7 +1088,7 @@ pub(crate) enum Preset {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Fit {
-    /// All meshes.
+    /// All meshes, without the surroundings of recipes' sites.
     Scene,
 }
 

@@ -125,12 +125,12 @@ impl TomlReader<'_> {
         value.or(by_preset.map(|(number, _)| number))
     }
 
-    /// The pixel pitch with which every vertex in front of the camera is in the image, and one is on its border.
+    /// The pixel pitch with which every vertex in front of the camera is in the image, and one is on its border; but those around a site.
     fn fitted(&mut self, pose: &Pose, samples: u32, lines: u32, mesh: &Mesh) -> Option<f64> {
         let sensor_from_world = pose.inverse();
         let mut pitch = 0.0_f64;
-        for vertex_m in mesh.used_vertices_m() {
-            let v = sensor_from_world.point(vertex_m);
+        for vertex in mesh.facets.iter().flatten().filter(|v| self.around.binary_search(v).is_err()) {
+            let v = sensor_from_world.point(mesh.vertices_m[*vertex as usize]);
             if v.z > 0.0 {
                 pitch = pitch.max((v.x / v.z).abs() / (0.5 * f64::from(samples)));
                 pitch = pitch.max((v.y / v.z).abs() / (0.5 * f64::from(lines)));

@@ -22,12 +22,14 @@ fn find(given: &Given) -> Finding {
     };
     match given.extremes.site.up {
         None => nothing("the mesh is a body: there is none"),
-        Some(_) if share == 0.0 => nothing("every ray to the Sun leaves the site above its highest point"),
+        Some(_) if share == 0.0 => {
+            nothing("every ray from what the image shows to the Sun leaves the mesh above its highest point")
+        }
         Some(_) => Finding {
             missing: Some("the mesh ends at its rim".into()),
             bound: given.error_of_edges(f64::INFINITY),
             note: format!(
-                "from {share:.1} % of the site's area rays to the Sun leave it below its highest point: these might be in shadow"
+                "from {share:.1} % of what the image shows rays to the Sun leave the mesh below its highest point: this might be in shadow"
             ),
             because: "all of the light of such a place".into(),
             ..Finding::default()

@@ -1,0 +1,255 @@
+//! A site on a body: where the target is, which way its axes point, and where each of its places lies.
+//!
+//! Places of the site are directions from a centre below the target: (x, y) is the direction at the angle 2 asin(rho / 2 R) from the upright, rho = |(x, y)|,
+//! which is Lambert's azimuthal equal-area projection of a sphere of radius R (J. P. Snyder 1987, "Map projections", USGS Prof. Paper 1395, equations
+//! 24-3 and 24-4). The sphere touches the surface at the target: its centre lies on the normal there, at the point nearest to the body's centre. A place's
+//! foot is where its direction meets the body, and heights go along the body's normal at the foot.
+
+mod ellipsoid;
+mod phobos;
+mod projection;
+mod report;
+mod smooth;
+mod split;
+
+use glam::DVec3;
+
+use super::check::at;
+use super::recipe::{BodyRecipe, Height, Recipe, ShapeName};
+use super::sources::Sources;
+use crate::error::{Error, Problem, Result, number};
+use crate::geometry::{Mesh, planetocentric_deg};
+use ellipsoid::Ellipsoid;
+use phobos::Phobos;
+use projection::Projection;
+use smooth::Smooth;
+
+pub use report::WrapReport;
+
+/// From this share of the surroundings' reach on relief fades away.
+const FADE: f64 = 0.6;
+
+/// No place of a site is farther around its body than this, rad: beyond it directions crowd.
+const FARTHEST_RAD: f64 = 2.6;
+
+/// A body's surface, as seen from points within it.
+#[derive(Debug, Clone)]
+enum Surface {
+    Ellipsoid(Ellipsoid),
+    Phobos(Phobos),
+    Smooth(Smooth),
+}
+
+/// A site on a body.
+#[derive(Debug, Clone)]
+pub(super) struct Wrap {
+    /// Where the target is, body axes, m: what the mesh's coordinates are relative to.
+    pub(super) origin_m: DVec3,
+    projection: Projection,
+    surface: Surface,
+    /// What the surface is moved by, so that it goes through the target, m.
+    moved_m: DVec3,
+    /// Half sides of the site and of the whole mesh, m.
+    site_m: f64,
+    end_m: f64,
+    report: WrapReport,
+}
+
+impl Wrap {
+    /// # Errors
+    /// [`Error::Invalid`]: a target that misses the body, a shape with holes or folds where the site lies, surroundings that reach around it.
+    pub(super) fn new(body: &BodyRecipe, recipe: &Recipe, sources: &Sources) -> Result<Self> {
+        let invalid = |problem: Problem| Error::Invalid(vec![problem]);
+        let offset_m = DVec3::from_array(body.offset_m.unwrap_or_default());
+        let towards = body.towards();
+        // The surface's point on the line from the body's centre to the target, and its normal there.
+        let (exact, meshes) = match (&body.shape, &body.ellipsoid_m, &body.files) {
+            (Some(ShapeName::Phobos), None, None) => (Some(Surface::Phobos(Phobos::new(offset_m))), vec![]),
+            (None, Some(axes_m), None) => (Some(Surface::Ellipsoid(Ellipsoid::new(*axes_m, offset_m))), vec![]),
+            (None, None, Some(names)) => (None, self::meshes(names, sources, offset_m)?),
+            _ => return Err(invalid(at("body", "give one of `shape`, `ellipsoid_m` and `files`"))),
+        };
+        let hit = match &exact {
+            Some(Surface::Ellipsoid(ellipsoid)) => ellipsoid.hit(DVec3::ZERO, towards),
+            Some(Surface::Phobos(phobos)) => phobos.hit(DVec3::ZERO, towards),
+            _ => smooth::hit(&meshes, towards),
+        };
+        let Some((ground_m, normal)) = hit else {
+            let [latitude_deg, longitude_deg] = planetocentric_deg(towards);
+            let message = format!(
+                "the line from the body's centre to the target (latitude {}, longitude {} deg) meets no surface, or more than one",
+                number(latitude_deg),
+                number(longitude_deg)
+            );
+            return Err(invalid(
+                at(body.target_key(), message)
+                    .with_help("is the shape open, or its centre not within it? `offset_m` moves it"),
+            ));
+        };
+        let depth_m = ground_m.dot(normal);
+        if depth_m <= 0.0 {
+            let message = "the ground at the target faces the body's centre: there is no upright";
+            return Err(invalid(at(body.target_key(), message)));
+        }
+        if depth_m < recipe.size_m {
+            let message =
+                format!("the body is {} m thick under a site of {} m", number(depth_m), number(recipe.size_m));
+            return Err(invalid(at("body", message).with_help("is the shape in km? `unit_m = 1000.0`")));
+        }
+        let target_m = body.target_m.map_or(ground_m, DVec3::from_array);
+        let projection = Projection::new(ground_m, normal, depth_m, body.axes(normal));
+        let reach_m = recipe.surroundings.as_ref().map_or(0.0, |s| s.reach_m);
+        let (site_m, end_m) = (0.5 * recipe.size_m, 0.5 * recipe.size_m + reach_m);
+        // Boulders may stand out a little.
+        let corner_m = 1.01 * end_m * 2f64.sqrt();
+        if projection.angle(corner_m).is_none_or(|angle| angle > FARTHEST_RAD) {
+            let most_m = 2.0 * depth_m * (0.5 * FARTHEST_RAD).sin() / 2f64.sqrt() / 1.01 - site_m;
+            let message =
+                format!("the mesh's corners are {} m from the target: too far around the body", number(corner_m));
+            let help = format!("the surroundings may reach {:.0} m", most_m.max(0.0));
+            return Err(invalid(
+                at(if reach_m > 0.0 { "surroundings.reach_m" } else { "size_m" }, message).with_help(help),
+            ));
+        }
+        let surface = match exact {
+            Some(surface) => surface,
+            None => Surface::Smooth(
+                Smooth::new(&meshes, &projection, corner_m).map_err(|message| invalid(at("body.files", message)))?,
+            ),
+        };
+        let mut wrap = Wrap {
+            origin_m: ground_m,
+            projection,
+            surface,
+            moved_m: DVec3::ZERO,
+            site_m,
+            end_m,
+            report: WrapReport::default(),
+        };
+        let Some((foot_m, _)) = wrap.surface_at(0.0, 0.0) else {
+            return Err(invalid(at(body.target_key(), "the body has a hole at the target")));
+        };
+        let on_body = body.lonlat_deg.is_some() || body.height == Some(Height::Body);
+        wrap.origin_m = if on_body { foot_m } else { target_m };
+        wrap.moved_m = wrap.origin_m - foot_m;
+        wrap.check_holes(recipe)?;
+        wrap.report = report::report(&wrap, target_m, ground_m, foot_m);
+        Ok(wrap)
+    }
+
+    /// Foot and normal at a place of the site before the body is moved; none where the body has a hole.
+    fn surface_at(&self, x_m: f64, y_m: f64) -> Option<(DVec3, DVec3)> {
+        let direction = self.projection.direction(x_m, y_m);
+        let centre_m = self.projection.centre_m;
+        match &self.surface {
+            Surface::Ellipsoid(ellipsoid) => ellipsoid.hit(centre_m, direction),
+            Surface::Phobos(phobos) => phobos.hit(centre_m, direction),
+            Surface::Smooth(smooth) => smooth.at(&self.projection, x_m, y_m),
+        }
+    }
+
+    /// Foot of a place of the site, relative to [`origin_m`](Self::origin_m), body axes, m, and the body's unit normal there.
+    pub(super) fn foot(&self, x_m: f64, y_m: f64) -> (DVec3, DVec3) {
+        // Where the body has holes it was refused; a boulder's vertex that stands out beyond the mesh keeps to the upright.
+        let (foot_m, normal) = self.surface_at(x_m, y_m).unwrap_or((self.origin_m, self.projection.up));
+        (foot_m + self.moved_m - self.origin_m, normal)
+    }
+
+    /// The share of relief at a place: 1 on the site and near it, 0 where the surroundings end.
+    pub(super) fn relief(&self, x_m: f64, y_m: f64) -> f64 {
+        let half_m = x_m.abs().max(y_m.abs());
+        if self.end_m <= self.site_m {
+            return 1.0;
+        }
+        let t = ((half_m - self.site_m) / (self.end_m - self.site_m) - FADE) / (1.0 - FADE);
+        let t = (1.0 - t).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    }
+
+    /// What the wrap did.
+    pub(super) fn report(&self) -> WrapReport {
+        self.report
+    }
+
+    /// Refuses a body with holes, or that intersects itself, where the mesh lies, on a grid of places.
+    fn check_holes(&self, recipe: &Recipe) -> Result<()> {
+        const SIDE: i32 = 128;
+        let (mut holes, mut first) = (0, None);
+        let (mut layers, mut doubled) = (0, None);
+        for i in 0..=SIDE * SIDE {
+            let place = |k: i32| self.end_m * (2.0 * f64::from(k) / f64::from(SIDE - 1) - 1.0);
+            let (x_m, y_m) = (place(i % SIDE), place((i / SIDE).min(SIDE - 1)));
+            if self.surface_at(x_m, y_m).is_none_or(|(foot_m, _)| !foot_m.is_finite()) {
+                holes += 1;
+                first.get_or_insert((x_m, y_m));
+            }
+            if let Surface::Smooth(smooth) = &self.surface
+                && smooth.layers(x_m, y_m) > 1
+            {
+                layers += 1;
+                doubled.get_or_insert((x_m, y_m));
+            }
+        }
+        if let Some((x_m, y_m)) = doubled {
+            let share = 100.0 * f64::from(layers) / f64::from(SIDE * SIDE);
+            let message = format!(
+                "facets of the body lie over one another under {share:.1} % of the mesh, first {} m east and {} m north of the target: it intersects itself",
+                number(x_m.round()),
+                number(y_m.round())
+            );
+            return Err(Error::Invalid(vec![at("body.files", message)]));
+        }
+        let Some((x_m, y_m)) = first else { return Ok(()) };
+        let share = 100.0 * f64::from(holes) / f64::from(SIDE * SIDE);
+        let message = format!(
+            "the body has no surface under {share:.1} % of the mesh, first {} m east and {} m north of the target",
+            number(x_m.round()),
+            number(y_m.round())
+        );
+        let help = if recipe.surroundings.is_some() {
+            "let the surroundings reach less far, or close the shape"
+        } else {
+            "close the shape"
+        };
+        Err(Error::Invalid(vec![at("body", message).with_help(help)]))
+    }
+}
+
+impl BodyRecipe {
+    /// From the body's centre to the target: unit vector.
+    fn towards(&self) -> DVec3 {
+        let [longitude, latitude] = self.lonlat_deg.unwrap_or_default().map(f64::to_radians);
+        let on_sphere = DVec3::new(latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin());
+        self.target_m.map_or(on_sphere, DVec3::from_array).normalize_or_zero()
+    }
+
+    fn target_key(&self) -> &'static str {
+        if self.target_m.is_some() { "body.target_m" } else { "body.lonlat_deg" }
+    }
+
+    /// The site's x and y axes, body axes: unit vectors at right angles to the upright.
+    fn axes(&self, up: DVec3) -> [DVec3; 2] {
+        // At a pole, north is where longitude 0 comes from.
+        let level = |v: DVec3| (v - v.dot(up) * up).normalize_or_zero();
+        let north = if up.z.abs() < 1.0 { level(DVec3::Z) } else { level(DVec3::NEG_X * up.z) };
+        let (sin, cos) = self.azimuth_deg.unwrap_or(0.0).to_radians().sin_cos();
+        let turned = cos * north + sin * north.cross(up);
+        let along = self.along.map(|along| level(DVec3::from_array(along))).filter(|along| *along != DVec3::ZERO);
+        let y = along.unwrap_or(turned).normalize_or(up.any_orthonormal_vector());
+        [y.cross(up), y]
+    }
+}
+
+/// The meshes of a body, moved by its offset, m.
+fn meshes(names: &[String], sources: &Sources, offset_m: DVec3) -> Result<Vec<Mesh>> {
+    let mut meshes = Vec::new();
+    for (i, name) in names.iter().enumerate() {
+        let Some(mesh) = sources.meshes.get(name) else {
+            return Err(Error::Invalid(vec![at(&format!("body.files[{i}]"), format!("{name} has not been read"))]));
+        };
+        let mut mesh = mesh.clone();
+        mesh.vertices_m.iter_mut().for_each(|v| *v += offset_m);
+        meshes.push(mesh);
+    }
+    Ok(meshes)
+}
