@@ -296,3 +296,54 @@ fn recipes_of_both_versions_and_presets_are_made_and_errors_have_places() {
     assert!(code == 1 && err.contains("neither a file nor a preset") && err.contains("phobos-"), "{err}");
     assert!(!scratch.join("bad.obj").exists() && !scratch.join("x.obj").exists());
 }
+
+/// Heights of a grid that GDAL wrote (24 x 16 pixels of 50 m), read here by hand, against those of the mesh at the middles of its pixels.
+#[test]
+fn elevation_models_come_back_at_their_pixels() {
+    let scratch = Scratch::new();
+    let grid = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/rasters/square.asc");
+    let text = std::fs::read_to_string(grid).unwrap();
+    let rows: Vec<Vec<f64>> =
+        text.lines().skip(6).map(|line| line.split_whitespace().map(|x| x.parse().unwrap()).collect()).collect();
+    // The file has a pixel without data: with it there is no landscape, and the message says where it is.
+    let hole = rows.iter().enumerate().find_map(|(j, row)| Some((row.iter().position(|h| *h == -9999.0)?, j))).unwrap();
+    let recipe = |crop: &str| {
+        let text = format!(
+            "version = 2\nseed = 1\nsize_m = 350.0\nfacets = 1568\nrelief = [{{ kind = \"elevation\", file = '{grid}', {crop} width_m = 400.0 }}]\n"
+        );
+        std::fs::write(scratch.join("r.toml"), text).unwrap();
+        run(&["landscape", &scratch.argument("r.toml"), "-o", &scratch.argument("m.obj"), "--force"])
+    };
+    let (code, _, err) = recipe("");
+    let at = format!("column {}, line {}", hole.0, hole.1);
+    assert!(code == 1 && err.contains("no height") && err.contains(&at) && err.contains("r.toml:5"), "{err}");
+
+    // Eight by eight pixels without it, on a site from the middles of the outermost ones: every other vertex is on a pixel.
+    let (first_column, first_row) = (if hole.0 < 12 { 14 } else { 2 }, 4);
+    let (code, _, err) = recipe(&format!("crop = [{first_column}, {first_row}, 8, 8],"));
+    assert_eq!((code, err.as_str()), (0, ""));
+    let part: Vec<f64> = (0..64).map(|i| rows[first_row + i / 8][first_column + i % 8]).collect();
+    let mean = part.iter().sum::<f64>() / 64.0;
+    let obj = std::fs::read_to_string(scratch.join("m.obj")).unwrap();
+    let mut seen = 0;
+    for line in obj.lines().filter_map(|line| line.strip_prefix("v ")) {
+        let v: Vec<f64> = line.split(' ').map(|x| x.parse().unwrap()).collect();
+        let (column, row) = ((v[0] + 175.0) / 50.0, (175.0 - v[1]) / 50.0);
+        if column.fract() == 0.0 && row.fract() == 0.0 {
+            let expected_m = part[8 * row as usize + column as usize] - mean;
+            assert!((v[2] - expected_m).abs() < 1e-5, "{line}: {expected_m}");
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 64);
+}
+
+#[test]
+fn a_site_on_a_body_is_the_same_at_any_thread_count() {
+    let recipe = parsed(
+        "size_m = 300.0\nfacets = 3000\nsurroundings = { reach_m = 900.0 }\ncraters = [{ count = 50, max_diameter_m = 90.0 }]\nboulders = [{ count = 30 }]\n[body]\nshape = \"phobos\"\nlonlat_deg = [100.0, -40.0]\n",
+    );
+    let on = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let [one, three] = [1, 3].map(|threads| on(threads).install(|| made(&recipe)).mesh);
+    assert!(one == three && one.facets.len() > 2900);
+}
