@@ -36,18 +36,7 @@ pub(super) struct Division {
 /// If even 20 facets for each boulder are more than half of all.
 pub(super) fn divide(recipe: &Recipe, boulders: &[Boulder]) -> Result<Division, Problem> {
     let all = u64::from(recipe.facets);
-    // Wider steps need fewer facets; between these two lies what is asked for.
-    let (mut fine_m, mut coarse_m) = (1e-3 * recipe.size_m / f64::from(recipe.facets).sqrt(), recipe.size_m);
-    for _ in 0..HALVINGS {
-        let step_m = (fine_m * coarse_m).sqrt();
-        let grading = Grading::new(recipe, step_m);
-        if ground(&grading) + spent(boulders, &grading, all).map_or(0.0, |spent| spent as f64) > all as f64 {
-            fine_m = step_m;
-        } else {
-            coarse_m = step_m;
-        }
-    }
-    let grading = Grading::new(recipe, coarse_m);
+    let grading = graded(recipe, |grading| spent(boulders, grading, all).unwrap_or(0));
     let Some(finest) = finest(boulders, &grading, all) else {
         let kept = frequencies(boulders, &grading, 1).filter(|f| *f > 0).count();
         let message = format!(
@@ -60,15 +49,17 @@ pub(super) fn divide(recipe: &Recipe, boulders: &[Boulder]) -> Result<Division, 
     };
     let frequencies: Vec<u32> = frequencies(boulders, &grading, finest).collect();
     let boulders: u64 = frequencies.iter().map(|f| 20 * u64::from(*f).pow(2)).sum();
+    // Boulders become finer by leaps: what a leap leaves is the ground's.
+    let grading = graded(recipe, |_| boulders);
     // Of the grids near the one that the step gives, the one that comes closest, and of those the one nearest to square cells.
     let cells = whole((2.0 * grading.core_m / grading.step_m).round());
     let spare = SPARE.max(cells / 10);
     let near = cells.saturating_sub(spare).max(1)..=cells + spare;
+    // Of the strips only the first hangs on the grid: it has a facet for each cell of its border.
     let around = grading.layout(1, 1);
-    let rings = around.facets() as u64 - 2 - if around.rings.len() > 1 { 4 } else { 0 };
-    let strip = if around.rings.len() > 1 { 2 } else { 0 };
+    let (strips, each) = if around.rings.len() > 1 { (around.strip_facets() as u64 - 4, 2) } else { (0, 0) };
     let facets = |columns: usize, rows: usize| {
-        boulders + rings + 2 * (columns as u64) * (rows as u64) + strip * (columns + rows) as u64
+        boulders + strips + 2 * (columns as u64) * (rows as u64) + each * (columns + rows) as u64
     };
     let grids = near.clone().flat_map(|columns| near.clone().map(move |rows| (columns, rows)));
     // 1 per mille off is as good as none.
@@ -78,15 +69,24 @@ pub(super) fn divide(recipe: &Recipe, boulders: &[Boulder]) -> Result<Division, 
     Ok(Division { layout: grading.layout(columns, rows), grading, frequencies })
 }
 
-/// Facets of the ground, by and large.
+/// The grading whose facets, with those that something else takes, are as many as asked for.
+fn graded(recipe: &Recipe, taken: impl Fn(&Grading) -> u64) -> Grading {
+    // Wider steps need fewer facets; between these two lies what is asked for.
+    let (mut fine_m, mut coarse_m) = (1e-3 * recipe.size_m / f64::from(recipe.facets).sqrt(), recipe.size_m);
+    for _ in 0..HALVINGS {
+        let step_m = (fine_m * coarse_m).sqrt();
+        let grading = Grading::new(recipe, step_m);
+        let is_fine = ground(&grading) + taken(&grading) as f64 > f64::from(recipe.facets);
+        *(if is_fine { &mut fine_m } else { &mut coarse_m }) = step_m;
+    }
+    Grading::new(recipe, coarse_m)
+}
+
+/// Facets of the ground, with shares of cells.
 fn ground(grading: &Grading) -> f64 {
     let cells = 2.0 * grading.core_m / grading.step_m;
-    // Finer than that no recipe may ask for, and rings need not be counted.
-    if cells > 4e3 {
-        return 2.0 * cells * cells;
-    }
-    2.0 * cells * cells + (grading.layout(whole(cells).max(1), whole(cells).max(1)).facets() as f64)
-        - 2.0 * whole(cells).max(1).pow(2) as f64
+    let side = whole(cells).max(1);
+    2.0 * cells * cells + grading.layout(side, side).strip_facets() as f64
 }
 
 /// The frequency of each boulder's ball, if no more than `finest`.
@@ -142,6 +142,18 @@ mod tests {
             }
         }
         assert_eq!(seen, 44);
+    }
+
+    #[test]
+    fn boulders_of_one_size_leap_and_the_facets_asked_for_are_met() {
+        let mut all = boulders(400);
+        all.iter_mut().for_each(|b| b.diameter_m = 8.0);
+        for facets in (10_000..200_000).step_by(1777) {
+            let division = divide(&Recipe { facets, ..Recipe::new(1) }, &all).unwrap();
+            let spent: u32 = division.frequencies.iter().map(|f| 20 * f * f).sum();
+            let made = f64::from(spent) + division.layout.facets() as f64;
+            assert!((made / f64::from(facets) - 1.0).abs() < 0.01, "{facets}: {made}");
+        }
     }
 
     #[test]

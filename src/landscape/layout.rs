@@ -168,7 +168,12 @@ impl Layout {
     /// Facets.
     pub(super) fn facets(&self) -> usize {
         let [columns, rows] = self.grid();
-        2 * columns * rows + self.rings.windows(2).map(|pair| pair[0].points() + pair[1].points()).sum::<usize>()
+        2 * columns * rows + self.strip_facets()
+    }
+
+    /// Facets between rings: each interval of a ring is the side of one in the strip within it, and of one in the strip around it.
+    pub(super) fn strip_facets(&self) -> usize {
+        self.rings.windows(2).map(|pair| pair[0].points() + pair[1].points()).sum()
     }
 
     /// Where the vertices lie, m: the grid's row by row from the south-west, then ring by ring.
