@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 
 use super::coloured_mesh::Placing;
 use super::located::Document;
@@ -14,13 +15,25 @@ use crate::landscape::{self, Landscape, PRESETS, Recipe, RecipeOne, Source, Sour
 use crate::progress::Watch;
 
 /// A recipe of any version.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[derive(Debug, Clone, JsonSchema)]
+#[schemars(untagged)]
 pub enum AnyRecipe {
     /// Version 2.
     Two(Box<Recipe>),
     /// Version 1.
     One(Box<RecipeOne>),
+}
+
+impl<'de> Deserialize<'de> for AnyRecipe {
+    /// By its version: much of what one version says the other would take, and mean something else.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let value = serde_json::Value::deserialize(deserializer)?;
+        let any = match value["version"].as_u64() {
+            Some(1) => serde_json::from_value(value).map(AnyRecipe::One),
+            _ => serde_json::from_value(value).map(AnyRecipe::Two),
+        };
+        any.map_err(D::Error::custom)
+    }
 }
 
 impl AnyRecipe {
@@ -180,15 +193,17 @@ fn source(path: &Path) -> Result<(Source, Vec<InputFile>)> {
         _ => vec![0],
     };
     let (mut values, mut band) = (vec![0.0; raster.pixels()], Vec::new());
+    // Of a picture as the counts that it stores: heights are counts of something.
+    let counts = raster.full_scale.unwrap_or(1.0) / bands.len() as f64;
     for &number in &bands {
         raster.read(number, &mut band)?;
-        values.iter_mut().zip(&band).for_each(|(sum, value)| *sum += value / bands.len() as f64);
+        values.iter_mut().zip(&band).for_each(|(sum, value)| *sum += value * counts);
     }
-    let full_scale = match raster.data_type {
+    let full_scale = raster.full_scale.or(match raster.data_type {
         DataType::U8 => Some(255.0),
         DataType::U16 => Some(65535.0),
         _ => None,
-    };
+    });
     let pixel_m = raster.spacing_m();
     let source = Source { columns: raster.columns, rows: raster.rows, values, pixel_m, full_scale };
     Ok((source, raster.inputs()?))

@@ -2,7 +2,6 @@
 
 use std::ops::RangeInclusive;
 
-use super::boulder::FARTHEST;
 use super::recipe::{BodyRecipe, Boulders, Craters, Height, NearCraters, Recipe, Relief, Span, Where};
 use crate::error::{Location, Problem, number};
 
@@ -29,6 +28,9 @@ const MOST_ITEMS: usize = 64;
 
 /// The narrowest gap between the fine part and the end of the mesh, as a share of the widest: narrower ones make slivers.
 const NARROWEST: f64 = 0.1;
+
+/// No point of a boulder is farther from its middle, in longest axes: what stands out of its box when it is turned is less.
+pub(super) const FARTHEST: f64 = 0.65;
 
 /// A problem with an item of a recipe.
 pub(super) fn at(key: &str, message: impl Into<String>) -> Problem {

@@ -8,14 +8,20 @@ use crate::shapes::*;
 use glam::DVec3;
 use mmxrt::geometry::FrameCamera;
 use mmxrt::geometry::{Direction, Mesh};
-use mmxrt::landscape::{self, Boulders, Craters, Recipe, Relief, Sources};
+use mmxrt::landscape::{self, Boulders, Craters, Overlap, Recipe, Relief, Sources};
 use mmxrt::study::{Fill, MapOptions};
 
 /// 200 m of hills, craters and 150 half-sunk boulders of 2 to 12 m, facets of 2 m.
 fn site() -> Mesh {
     let mut recipe = Recipe { facets: 20_000, size_m: 200.0, ..Recipe::new(3) };
     recipe.relief = vec![Relief::Rolling { rms_m: 8.0, longest_m: 120.0, hurst: 1.0 }];
-    recipe.craters = vec![Craters { count: 200, min_diameter_m: 6.0, max_diameter_m: 60.0, ..Craters::default() }];
+    recipe.craters = vec![Craters {
+        count: 200,
+        min_diameter_m: 6.0,
+        max_diameter_m: 60.0,
+        overlap: Overlap::Add,
+        ..Craters::default()
+    }];
     recipe.boulders = vec![Boulders { count: 150, ..Boulders::default() }];
     let site = landscape::generate(&recipe, &Sources::default(), &|_| true).unwrap();
     let shown =

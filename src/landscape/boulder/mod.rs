@@ -3,7 +3,7 @@
 mod rest;
 mod shape;
 
-use super::check;
+use super::check::{self, FARTHEST};
 use super::random::{Purpose, key_in};
 use super::recipe::{Boulders, Recipe, Shape};
 use crate::error::Problem;
@@ -15,9 +15,6 @@ pub(super) use shape::Ball;
 
 /// Places that are tried for a boulder, for each that it has a right to by what the places tried before have shown.
 const TRIES: u64 = 100_000;
-
-/// No point of a boulder is farther from its middle, in longest axes: what stands out of its box when it is turned is less.
-pub(super) const FARTHEST: f64 = 0.65;
 
 /// One boulder of the site, still without a height.
 #[derive(Debug, Clone, PartialEq)]
