@@ -47,7 +47,8 @@ fn a_landscape_is_made_inspected_and_never_overwritten_unasked() {
     let obj = scratch.argument("site/hills.obj");
     let (code, out, err) = run(&["landscape", &recipe, "-o", &obj, "--threads", "2"]);
     assert_eq!((code, err.as_str()), (0, ""));
-    assert!(out.starts_with(&format!("{obj}: 2000 facets, ")) && out.contains("of 6000 craters"), "{out}");
+    // A grid of 31 x 32 cells comes closest, and all boulders are smaller than a quarter of one.
+    assert!(out.starts_with(&format!("{obj}: 1984 facets, ")) && out.contains("of 6000 craters"), "{out}");
     let first = std::fs::read(&obj).unwrap();
     assert!(scratch.join("site/hills.mtl").is_file());
 
