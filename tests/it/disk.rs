@@ -159,7 +159,7 @@ fn of_several_processes_with_one_output_one_writes_it() {
             assert!(if force { won >= 1 } else { won == 1 }, "{won} of 8 have written it");
         };
         if !force {
-            for name in ["t.npz", "m.obj", "m.mtl"] {
+            for name in ["t.npz", "m.obj", "m.mtl", "m_craters.csv", "m_boulders.csv"] {
                 let _ = std::fs::remove_file(scratch.join(name));
             }
         }

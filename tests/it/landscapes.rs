@@ -143,9 +143,8 @@ fn a_site_on_a_sphere_lies_where_the_formula_puts_it() {
         let height_m = a.z * t * t * (3.0 - 2.0 * t);
         let expected_m = foot_m + foot_m.normalize() * height_m;
         let off_m = (*b + origin_m - expected_m).length();
-        // Heights of the plane's mesh are rounded to 1e-5 m, those of the sphere's to 1e-7 m.
-        let bound_m = if height_m == 0.0 { 2e-7 } else { 6e-6 };
-        assert!(off_m < bound_m, "{a}: {off_m}");
+        // All coordinates of the plane's mesh are rounded to 1e-5 m.
+        assert!(off_m < 9e-6, "{a}: {off_m}");
         seen += 1;
     }
     assert!(seen > 1500);
@@ -157,6 +156,23 @@ fn a_site_on_a_sphere_lies_where_the_formula_puts_it() {
     assert!(wrap.relief_at_end == 0.0 && wrap.target_above_m.abs() < 1e-6);
     // The end of the mesh: chords of the last ring's facets, 2300 m 0.3 wide at most.
     assert!(wrap.seam_m < 800.0f64.powi(2) / (8.0 * 11_000.0), "{}", wrap.seam_m);
+}
+
+/// A grid whose coordinates are whole metres, and a mound with a formula: nothing is rounded but the result, to 1e-7 m.
+#[test]
+fn vertices_on_a_sphere_are_the_formulas_to_a_micrometre() {
+    let text = "size_m = 600.0\nfacets = 1800\nrelief = [{ kind = \"mound\", height_m = 50.0, flank_deg = 30.0, top_m = 40.0 }]\n[body]\nellipsoid_m = [11000.0, 11000.0, 11000.0]\nlonlat_deg = [0.0, 0.0]\n";
+    let made = made(&parsed(text));
+    let flank_m = 75.0 / 30f64.to_radians().tan();
+    assert_eq!((made.mesh.facets.len(), made.mesh.vertices_m.len()), (1800, 961));
+    for (k, v) in made.mesh.vertices_m.iter().enumerate() {
+        let (x_m, y_m) = (20.0 * (k % 31) as f64 - 300.0, 20.0 * (k / 31) as f64 - 300.0);
+        let foot_m = on_sphere(DVec3::X, DVec3::Y, DVec3::Z, 11_000.0, [x_m, y_m]);
+        let t = (1.0 - (x_m.hypot(y_m) - 40.0) / flank_m).clamp(0.0, 1.0);
+        let expected_m = foot_m + foot_m.normalize() * 50.0 * t * t * (3.0 - 2.0 * t);
+        let off_m = (*v + made.origin_m.unwrap() - expected_m).length();
+        assert!(off_m < 2e-7, "{x_m} {y_m}: {off_m}");
+    }
 }
 
 #[test]

@@ -8,10 +8,10 @@ use crate::shapes::*;
 use glam::DVec3;
 use mmxrt::geometry::FrameCamera;
 use mmxrt::geometry::{Direction, Mesh};
-use mmxrt::landscape::{self, Boulders, Craters, Overlap, Recipe, Relief, Sources};
+use mmxrt::landscape::{self, Boulders, Craters, Overlap, Recipe, Relief, Sources, Span};
 use mmxrt::study::{Fill, MapOptions};
 
-/// 200 m of hills, craters and 150 half-sunk boulders of 2 to 12 m, facets of 2 m.
+/// 200 m of hills, craters and 150 boulders a fifth sunk of 2 to 12 m, facets of 2 m.
 fn site() -> Mesh {
     let mut recipe = Recipe { facets: 20_000, size_m: 200.0, ..Recipe::new(3) };
     recipe.relief = vec![Relief::Rolling { rms_m: 8.0, longest_m: 120.0, hurst: 1.0 }];
@@ -22,7 +22,7 @@ fn site() -> Mesh {
         overlap: Overlap::Add,
         ..Craters::default()
     }];
-    recipe.boulders = vec![Boulders { count: 150, ..Boulders::default() }];
+    recipe.boulders = vec![Boulders { count: 150, buried: Span::One(0.2), ..Boulders::default() }];
     let site = landscape::generate(&recipe, &Sources::default(), &|_| true).unwrap();
     let shown =
         [site.boulders.iter().filter(|b| b.facets.is_some()).count(), site.craters.iter().filter(|c| c.shown).count()];
