@@ -248,9 +248,10 @@ impl Recipe {
             found.range(&key("noise.hurst"), noise.hurst, 0.05, 2.0);
         }
         for (name, range) in [("slope_deg", area.slope_deg), ("height_m", area.height_m)] {
-            if let Some([from, to]) = range
-                && !(from <= to)
-            {
+            let Some([from, to]) = range else { continue };
+            // Of NaN neither.
+            let is_range = from <= to;
+            if !is_range {
                 found.say(&key(name), format!("{} to {} is no range", number(from), number(to)));
             }
         }

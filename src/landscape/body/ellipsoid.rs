@@ -19,7 +19,9 @@ impl Ellipsoid {
         // In units of the axes it is the unit sphere: |o + t d| = 1.
         let (o, d) = ((from_m - self.middle_m) / self.axes_m, direction / self.axes_m);
         let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - 1.0);
-        if c >= 0.0 || !(a > 0.0) {
+        // Of NaN neither holds.
+        let (is_within, goes_somewhere) = (c < 0.0, a > 0.0);
+        if !is_within || !goes_somewhere {
             return None;
         }
         // The root of which no digits cancel: c < 0.
