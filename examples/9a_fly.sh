@@ -17,13 +17,14 @@ model=sunlight,mars-light,heat
 
 scenes=scenes/phobos_flight
 mkdir -p "$out/flight" "$out/phobos_site"
-cp scenes/phobos_site/*.csv "$out/phobos_site"
+cp scenes/phobos_site/*.csv scenes/phobos_site/site.toml "$out/phobos_site"
 if [ "${1:-}" = full ]; then
     cp $scenes/*.toml "$out/flight"
 else
     # The same five minutes in 10 bands of 48 x 48 pixels, and a strip of 24 lines; a coarser site.
-    sed -e 's/facets = 200_000/facets = 20_000/' $scenes/macromega.toml > "$out/flight/macromega.toml"
-    sed -e 's/facets = 200_000/facets = 20_000/' -e 's/^lines = .*/lines = 24/' -e 's/06:37:50/06:39:45/' $scenes/mirs.toml > "$out/flight/mirs.toml"
+    sed -i.bak -e 's/facets = 200_000/facets = 20_000/' "$out/phobos_site/site.toml"
+    cp $scenes/macromega.toml "$out/flight/macromega.toml"
+    sed -e 's/^lines = .*/lines = 24/' -e 's/06:37:50/06:39:45/' $scenes/mirs.toml > "$out/flight/mirs.toml"
     cat >> "$out/flight/macromega.toml" <<'SENSOR'
 samples = 48
 lines = 48

@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use super::crater::REACH;
 use super::recipe::{BodyRecipe, Boulders, Craters, Height, NearCraters, Recipe, Relief, Span, Where};
 use crate::error::{Location, Problem, number};
 
@@ -18,7 +19,10 @@ const REACH_M: f64 = 1e6;
 const MOST_BOULDERS: f64 = 100_000.0;
 
 /// A bound on the time a recipe can take.
-const MOST_CRATERS: f64 = 1_000_000.0;
+pub(super) const MOST_CRATERS: f64 = 1_000_000.0;
+
+/// The same: a place is changed by so many craters at most, on average.
+const MOST_OVER_A_PLACE: f64 = 1000.0;
 
 /// A bound on the memory that a texture takes.
 const MOST_TEXELS: u32 = 8192;
@@ -384,6 +388,21 @@ fn check_craters(found: &mut Found, group: &str, craters: &Craters, size_m: f64)
     let count = craters.number(if size_m.is_nan() { 0.0 } else { 1e-6 * size_m * size_m });
     if !(0.0..=MOST_CRATERS).contains(&count) {
         found.say(&key("count"), format!("{} is more than {MOST_CRATERS}", number(count)));
+    }
+    // Mean square of diameters, m2, over even shares of the population.
+    let largest = (craters.max_diameter_m / craters.min_diameter_m).powf(-craters.exponent);
+    let diameter_m =
+        |share: f64| craters.min_diameter_m * (1.0 - share * (1.0 - largest)).powf(-1.0 / craters.exponent);
+    let mean_m2 = (0..100).map(|i| diameter_m(f64::from(i) / 100.0 + 0.005).powi(2)).sum::<f64>() / 100.0;
+    let over_a_place = count * REACH * REACH * std::f64::consts::FRAC_PI_4 * mean_m2 / (size_m * size_m);
+    if over_a_place > MOST_OVER_A_PLACE {
+        let message = format!(
+            "each place would be changed by {over_a_place:.0} craters on average: more than {MOST_OVER_A_PLACE}"
+        );
+        found.0.push(
+            at(&key("count"), message)
+                .with_help("ask for fewer, or for smaller ones: later craters erase earlier ones anyway"),
+        );
     }
     let given = [
         ("count", craters.count > 0),

@@ -4,7 +4,7 @@ use super::noise::presence;
 use super::recipe::{Craters, Overlap};
 
 /// How far the ejecta reach, in rim radii from the centre.
-const REACH: f64 = 3.0;
+pub(super) const REACH: f64 = 3.0;
 
 /// What was there before is gone up to the first distance, in rim radii, and all there from the second on.
 const ERASED: (f64, f64) = (0.8, 1.2);

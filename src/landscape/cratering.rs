@@ -28,38 +28,68 @@ pub(super) fn produced(recipe: &Recipe) -> Vec<Crater> {
     all
 }
 
-/// Craters around the site, of the same population: of each size as far out as facets that grow by this share, however many there are, can show it.
-pub(super) fn around(recipe: &Recipe) -> Vec<Crater> {
+/// Craters of one size around a site.
+struct Class {
+    group: usize,
+    number: u64,
+    /// Their diameters are from the first to the second, m.
+    diameters_m: [f64; 2],
+    /// They lie within this distance of the site's middle, east, north, west and south, m.
+    half_m: f64,
+    /// How many are expected.
+    expected: f64,
+}
+
+/// The sizes of craters around a site: of each size as far out as facets that grow by this share, however many there are, can show it.
+fn classes(recipe: &Recipe) -> Vec<Class> {
     let Some(surroundings) = &recipe.surroundings else { return Vec::new() };
     let site_m = 0.5 * recipe.size_m;
-    let mut all = Vec::new();
-    for (g, craters) in recipe.craters.iter().enumerate() {
+    let mut classes = Vec::new();
+    for (group, craters) in recipe.craters.iter().enumerate() {
         let Craters { min_diameter_m, max_diameter_m, exponent, .. } = *craters;
-        let number = craters.number(recipe.area_km2());
         // Of those that are larger than the smallest, the share larger than D.
         let largest = (max_diameter_m / min_diameter_m).powf(-exponent);
-        let larger = |d_m: f64| ((d_m / min_diameter_m).powf(-exponent) - largest) / (1.0 - largest);
-        let mut lo_m = min_diameter_m;
-        let mut class = 0;
-        while lo_m < max_diameter_m {
+        let larger = |d_m: f64| match min_diameter_m < max_diameter_m {
+            true => ((d_m / min_diameter_m).powf(-exponent) - largest) / (1.0 - largest),
+            false => 0.0,
+        };
+        let (mut lo_m, mut above) = (min_diameter_m, 1.0);
+        for number in 0.. {
             let hi_m = (2.0 * lo_m).min(max_diameter_m);
             let half_m = site_m + (0.5 * hi_m / surroundings.growth).min(surroundings.reach_m);
             let times = (half_m / site_m).powi(2) - 1.0;
-            if times > 0.0 {
-                let mut draws = Draws::new(key_in(recipe.seed, Purpose::CraterAround, g, class));
-                let mut left = draws.count(number * (larger(lo_m) - larger(hi_m)) * times);
-                while left >= 1.0 {
-                    let place = [draws.between(-half_m, half_m), draws.between(-half_m, half_m)];
-                    if place.iter().all(|x| x.abs() <= site_m) {
-                        continue;
-                    }
-                    let diameter_m = draws.power_law(lo_m, hi_m, exponent);
-                    all.push(Crater::new(craters, g, place, diameter_m, draws.unit()));
-                    left -= 1.0;
-                }
+            let expected = craters.number(recipe.area_km2()) * (above - larger(hi_m)) * times;
+            classes.push(Class { group, number, diameters_m: [lo_m, hi_m], half_m, expected });
+            (lo_m, above) = (hi_m, larger(hi_m));
+            if hi_m >= max_diameter_m {
+                break;
             }
-            lo_m = hi_m;
-            class += 1;
+        }
+    }
+    classes
+}
+
+/// How many craters are expected around a site.
+pub(super) fn expected_around(recipe: &Recipe) -> f64 {
+    classes(recipe).iter().map(|class| class.expected).sum()
+}
+
+/// Craters around the site, of the same population.
+pub(super) fn around(recipe: &Recipe) -> Vec<Crater> {
+    let site_m = 0.5 * recipe.size_m;
+    let mut all = Vec::new();
+    for Class { group, number, diameters_m: [lo_m, hi_m], half_m, expected } in classes(recipe) {
+        let craters = &recipe.craters[group];
+        let mut draws = Draws::new(key_in(recipe.seed, Purpose::CraterAround, group, number));
+        let mut left = draws.count(expected);
+        while left >= 1.0 {
+            let place = [draws.between(-half_m, half_m), draws.between(-half_m, half_m)];
+            if place.iter().all(|x| x.abs() <= site_m) {
+                continue;
+            }
+            let diameter_m = draws.power_law(lo_m, hi_m, craters.exponent);
+            all.push(Crater::new(craters, group, place, diameter_m, draws.unit()));
+            left -= 1.0;
         }
     }
     all

@@ -219,6 +219,12 @@ pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<
 fn dug(recipe: &Recipe, sources: &Sources) -> Result<(Ground, Vec<crater::Crater>)> {
     let [layers, cover] = ["relief", "cover"].map(|list| relief::layers(recipe, list, sources));
     let (layers, cover) = (layers.map_err(Error::Invalid)?, cover.map_err(Error::Invalid)?);
+    let expected = cratering::expected_around(recipe);
+    if expected > check::MOST_CRATERS {
+        let message = format!("around the site would be {expected:.2e} craters: more than {}", check::MOST_CRATERS);
+        let help = "let the surroundings reach less far or grow faster, or ask for fewer craters";
+        return Err(Error::Invalid(vec![check::at("surroundings.reach_m", message).with_help(help)]));
+    }
     let produced = cratering::produced(recipe);
     let mut craters = cratering::around(recipe);
     craters.splice(0..0, produced.iter().cloned());

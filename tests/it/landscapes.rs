@@ -265,6 +265,33 @@ fn what_a_body_cannot_carry_is_refused() {
 }
 
 #[test]
+fn recipes_that_would_take_for_ever_are_refused() {
+    for (text, key, words) in [
+        // 3000 craters of 700 to 1000 m, whose ejecta reach three radii, on 2 x 2 km: (3000 / 4 km2) pi 1.5^2 0.7 km2, some 3700 over each place.
+        (
+            "[[craters]]\ncount = 3000\nmin_diameter_m = 700.0\nmax_diameter_m = 1000.0\n",
+            "craters[0].count",
+            "each place",
+        ),
+        (
+            "surroundings = { reach_m = 1000000.0, growth = 0.01 }\n[[craters]]\ncount = 6000\n",
+            "surroundings.reach_m",
+            "craters: more than",
+        ),
+    ] {
+        let Err(Error::Invalid(problems)) = landscape::generate(&parsed(text), &Sources::default(), &|_| true) else {
+            panic!("{text}: accepted")
+        };
+        let told = problems[0].to_string();
+        assert!(told.starts_with(&format!("recipe.{key}: ")) && told.contains(words), "{told}");
+    }
+    // Craters of one size are around a site, too.
+    let of_one_size = "facets = 1000\nsurroundings = { reach_m = 2000.0 }\n[[craters]]\ncount = 40\nmin_diameter_m = 500.0\nmax_diameter_m = 500.0\n";
+    let heights = made(&parsed(of_one_size)).mesh.vertices_m.into_iter().filter(|v| v.x.abs().max(v.y.abs()) > 2200.0);
+    assert!(heights.filter(|v| v.z < -1.0).count() > 5);
+}
+
+#[test]
 fn recipes_of_both_versions_and_presets_are_made_and_errors_have_places() {
     let scratch = Scratch::new();
     let file = |name: &str, text: &str| {
