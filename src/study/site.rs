@@ -190,7 +190,8 @@ mod tests {
             let all = || 0..mesh.facets.len();
             let share = site.open_to_shadow(&mesh, sun, all());
             assert!((share - 0.1).abs() < 0.006, "{turn_rad}: {share}");
-            assert_eq!(site.open_to_shadow(&mesh, DVec3::Z, all()), 0.0);
+            // The mean normal is a little askew: of 20,000 facets one at the border may be counted.
+            assert!(site.open_to_shadow(&mesh, DVec3::Z, all()) < 1e-3);
             // Of those that an image of the middle shows, next to none: the needle's own foot.
             let middle = all().filter(|f| mesh.facet(*f).centroid_m().length() < 30.0);
             assert!(site.open_to_shadow(&mesh, sun, middle) < 1e-3);

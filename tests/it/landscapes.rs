@@ -274,7 +274,7 @@ fn recipes_that_would_take_for_ever_are_refused() {
             "each place",
         ),
         (
-            "surroundings = { reach_m = 1000000.0, growth = 0.01 }\n[[craters]]\ncount = 6000\n",
+            "surroundings = { reach_m = 1000000.0, growth = 0.01 }\n[[craters]]\ncount = 100000\nmin_diameter_m = 20.0\n",
             "surroundings.reach_m",
             "craters: more than",
         ),
