@@ -286,7 +286,7 @@ fn recipes_that_would_take_for_ever_are_refused() {
         assert!(told.starts_with(&format!("recipe.{key}: ")) && told.contains(words), "{told}");
     }
     // Craters of one size are around a site, too.
-    let of_one_size = "facets = 1000\nsurroundings = { reach_m = 2000.0 }\n[[craters]]\ncount = 40\nmin_diameter_m = 500.0\nmax_diameter_m = 500.0\n";
+    let of_one_size = "facets = 20000\nsurroundings = { reach_m = 2000.0 }\n[[craters]]\ncount = 40\nmin_diameter_m = 500.0\nmax_diameter_m = 500.0\n";
     let heights = made(&parsed(of_one_size)).mesh.vertices_m.into_iter().filter(|v| v.x.abs().max(v.y.abs()) > 2200.0);
     assert!(heights.filter(|v| v.z < -1.0).count() > 5);
 }
