@@ -37,7 +37,7 @@ pub use lens::{BrownConrady, Lens};
 pub use lon_lat::{LonLat, SpaceChart};
 pub use mesh::{Facet, MaterialId, Mesh, NO_UV};
 pub use overlay::{Chart, Overlay, Texels};
-pub use planetocentric::{latitude_longitude_deg, planetocentric_deg};
+pub use planetocentric::{direction_of_deg, latitude_longitude_deg, planetocentric_deg};
 pub(crate) use polynomial::polynomial;
 pub use pose::{Pose, body_from_site};
 pub use solid_angle::{signed_solid_angle_sr, solid_angle_off_surface_sr};

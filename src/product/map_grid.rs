@@ -177,6 +177,7 @@ impl MapGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::direction_of_deg;
     use std::f64::consts::PI;
 
     #[test]
@@ -205,10 +206,7 @@ mod tests {
         let mut belt = 0.0;
         for i in 0..36 {
             let [a, b] = [i, i + 1].map(|i| 10.0 * f64::from(i) - 180.0);
-            let corner = |longitude: f64, latitude: f64| {
-                let (lon, lat) = (longitude.to_radians(), latitude.to_radians());
-                DVec3::new(lat.cos() * lon.cos(), lat.cos() * lon.sin(), lat.sin())
-            };
+            let corner = |longitude: f64, latitude: f64| direction_of_deg([latitude, longitude]);
             let outline = [corner(a, -30.0), corner(b, -30.0), corner(b, 30.0), corner(a, 30.0)];
             grid.fill(&projection.at(outline.into_iter()), |_, area| belt += area);
         }

@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Result};
 use crate::flight::Epoch;
-use crate::geometry::{FrameCamera, Pose, angle_rad, planetocentric_deg, whole};
+use crate::geometry::{FrameCamera, Pose, angle_rad, direction_of_deg, planetocentric_deg, whole};
 use crate::scene::{Body, Mirror, Motion, Readout, Scene, Timing};
 use crate::visibility::RayTree;
 
@@ -109,10 +109,9 @@ pub struct Seen {
 
 /// The outermost facet at a planetocentric latitude and east longitude, deg, and the point there, from the body's
 /// centre in body axes, m.
-pub fn outermost_at(tree: &RayTree, body: &Body, [latitude_deg, longitude_deg]: [f64; 2]) -> Option<(u32, DVec3)> {
+pub fn outermost_at(tree: &RayTree, body: &Body, place_deg: [f64; 2]) -> Option<(u32, DVec3)> {
     let (low_m, high_m) = body.bounds_m()?;
-    let [latitude, longitude] = [latitude_deg, longitude_deg].map(f64::to_radians);
-    let up = DVec3::new(latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin());
+    let up = direction_of_deg(place_deg);
     // A ray from outside the body towards the centre, no farther.
     let reach_m = (low_m + body.origin_m).abs().max((high_m + body.origin_m).abs()).length();
     let from_m = up * (2.0 * reach_m);
