@@ -35,22 +35,19 @@ struct Chosen {
     lookup: Lookup,
 }
 
-/// What a place of the ground is like.
+/// What the ground is like at a place.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spot {
-    pub(super) x_m: f64,
-    pub(super) y_m: f64,
+pub(super) struct Lie {
     pub(super) height_m: f64,
     pub(super) slope_deg: f64,
 }
 
-impl Spot {
-    /// A place of the ground as seen on steps of this width.
-    pub(super) fn of(ground: &Ground, x_m: f64, y_m: f64, step_m: f64) -> Self {
+impl Lie {
+    /// At a place of the ground as seen on steps of this width.
+    pub(super) fn of(ground: &Ground, [x_m, y_m]: [f64; 2], step_m: f64) -> Self {
         let at = |dx: f64, dy: f64| ground.height_m(x_m + dx * step_m, y_m + dy * step_m, step_m);
         let (east, north) = (at(0.5, 0.0) - at(-0.5, 0.0), at(0.0, 0.5) - at(0.0, -0.5));
-        let slope_deg = (east.hypot(north) / step_m).atan().to_degrees();
-        Spot { x_m, y_m, height_m: at(0.0, 0.0), slope_deg }
+        Lie { height_m: at(0.0, 0.0), slope_deg: (east.hypot(north) / step_m).atan().to_degrees() }
     }
 }
 
@@ -61,7 +58,7 @@ impl<'a> Area<'a> {
     /// The key that cannot be used, and why.
     pub(super) fn new(
         area: &'a Where,
-        number: u64,
+        number: usize,
         recipe: &Recipe,
         craters: &[Crater],
         sources: &'a Sources,
@@ -88,7 +85,7 @@ impl<'a> Area<'a> {
         let noise = area
             .noise
             .as_ref()
-            .map(|patches| patches_of(patches, key(recipe.seed, Purpose::Mask, number), recipe.size_m));
+            .map(|patches| patches_of(patches, key(recipe.seed, Purpose::Mask, number as u64), recipe.size_m));
         let craters = match &area.craters {
             Some(near) => {
                 let chosen = Chosen::new(near, number, recipe, craters);
@@ -102,9 +99,8 @@ impl<'a> Area<'a> {
         Ok(Area { area, size_m: recipe.size_m, craters, noise, map })
     }
 
-    /// The share, 0 to 1, of what would be at a place.
-    pub(super) fn share(&self, spot: Spot) -> f64 {
-        let Spot { x_m, y_m, height_m, slope_deg } = spot;
+    /// The share, 0 to 1, of what would be at a place, m; what the ground is like there is asked only if that matters.
+    pub(super) fn share(&self, [x_m, y_m]: [f64; 2], lie: impl FnOnce() -> Lie) -> f64 {
         let mut share = 1.0;
         let mut also = |holds: bool| share *= f64::from(u8::from(holds));
         if let Some([cx_m, cy_m, radius_m]) = self.area.circle_m {
@@ -112,11 +108,6 @@ impl<'a> Area<'a> {
         }
         if let Some(corners_m) = &self.area.polygon_m {
             also(holds(corners_m, x_m, y_m));
-        }
-        for (range, value) in [(self.area.slope_deg, slope_deg), (self.area.height_m, height_m)] {
-            if let Some([from, to]) = range {
-                also((from..=to).contains(&value));
-            }
         }
         if let Some((octaves, least)) = &self.noise {
             also(octaves.height_m(Form::Rolling, x_m, y_m, 0.0) >= *least);
@@ -130,12 +121,18 @@ impl<'a> Area<'a> {
         {
             share *= chosen.share(x_m, y_m);
         }
+        if (self.area.slope_deg.is_some() || self.area.height_m.is_some()) && share > 0.0 {
+            let Lie { height_m, slope_deg } = lie();
+            let is_in =
+                |range: Option<[f64; 2]>, value: f64| range.is_none_or(|[from, to]| (from..=to).contains(&value));
+            share *= f64::from(u8::from(is_in(self.area.slope_deg, slope_deg) && is_in(self.area.height_m, height_m)));
+        }
         if self.area.outside { 1.0 - share } else { share }
     }
 }
 
 impl Chosen {
-    fn new(near: &NearCraters, number: u64, recipe: &Recipe, craters: &[Crater]) -> Self {
+    fn new(near: &NearCraters, number: usize, recipe: &Recipe, craters: &[Crater]) -> Self {
         let fits = |c: &&Crater| {
             near.group.as_ref().is_none_or(|name| recipe.craters[c.group].name.as_ref() == Some(name))
                 && c.diameter_m >= near.min_diameter_m
@@ -144,12 +141,8 @@ impl Chosen {
         };
         let by_chance = |c: &Crater| {
             // By what the crater is, so that others do not change it.
-            let key = key_in(
-                recipe.seed,
-                Purpose::Choice,
-                whole(number as f64),
-                mix(c.x_m.to_bits() ^ c.y_m.to_bits().rotate_left(32)),
-            );
+            let key =
+                key_in(recipe.seed, Purpose::Choice, number, mix(c.x_m.to_bits() ^ c.y_m.to_bits().rotate_left(32)));
             Draws::new(key).unit() < near.share
         };
         let mut chosen: Vec<&Crater> = craters.iter().filter(fits).filter(|c| by_chance(c)).collect();
@@ -211,8 +204,14 @@ mod tests {
     use crate::landscape::cratering::produced;
     use crate::landscape::recipe::Craters;
 
-    fn at(x_m: f64, y_m: f64) -> Spot {
-        Spot { x_m, y_m, height_m: 5.0, slope_deg: 20.0 }
+    const LIE: Lie = Lie { height_m: 5.0, slope_deg: 20.0 };
+
+    fn at(x_m: f64, y_m: f64) -> ([f64; 2], Lie) {
+        ([x_m, y_m], LIE)
+    }
+
+    fn of(area: &Area, (place_m, lie): ([f64; 2], Lie)) -> f64 {
+        area.share(place_m, || lie)
     }
 
     fn parsed(text: &str) -> Where {
@@ -226,21 +225,21 @@ mod tests {
             ("circle_m = [10.0, 0.0, 5.0]", at(14.0, 0.0), at(4.0, 0.0)),
             ("polygon_m = [[0.0, 0.0], [10.0, 0.0], [0.0, 10.0]]", at(4.0, 4.0), at(6.0, 6.0)),
             ("polygon_m = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]]", at(0.0, 0.0), at(10.0, 10.0)),
-            ("slope_deg = [10.0, 20.0]", at(0.0, 0.0), Spot { slope_deg: 21.0, ..at(0.0, 0.0) }),
-            ("height_m = [5.0, 9.0]", at(0.0, 0.0), Spot { height_m: 4.9, ..at(0.0, 0.0) }),
+            ("slope_deg = [10.0, 20.0]", at(0.0, 0.0), ([0.0, 0.0], Lie { slope_deg: 21.0, ..LIE })),
+            ("height_m = [5.0, 9.0]", at(0.0, 0.0), ([0.0, 0.0], Lie { height_m: 4.9, ..LIE })),
             ("circle_m = [10.0, 0.0, 5.0]\noutside = true", at(4.0, 0.0), at(14.0, 0.0)),
             (
                 "circle_m = [0.0, 0.0, 5.0]\nheight_m = [0.0, 9.0]",
                 at(1.0, 0.0),
-                Spot { height_m: -1.0, ..at(1.0, 0.0) },
+                ([1.0, 0.0], Lie { height_m: -1.0, ..LIE }),
             ),
-            ("", at(999.0, 0.0), Spot { x_m: f64::NAN, ..at(0.0, 0.0) }),
+            ("", at(999.0, 0.0), at(f64::NAN, 0.0)),
         ] {
             let sources = Sources::default();
             let area = parsed(text);
             let area = Area::new(&area, 0, &recipe, &[], &sources).unwrap();
-            assert_eq!(area.share(inside), 1.0, "{text}");
-            assert!(text.is_empty() || area.share(outside) == 0.0, "{text}");
+            assert_eq!(of(&area, inside), 1.0, "{text}");
+            assert!(text.is_empty() || of(&area, outside) == 0.0, "{text}");
         }
     }
 
@@ -252,7 +251,7 @@ mod tests {
             let sources = Sources::default();
             let area = Area::new(&area, 3, &recipe, &[], &sources).unwrap();
             let places = (0..90_000).map(|i| at(f64::from(i % 300) * 6.6 - 990.0, f64::from(i / 300) * 6.6 - 990.0));
-            let covered = places.map(|spot| area.share(spot)).sum::<f64>() / 90_000.0;
+            let covered = places.map(|spot| of(&area, spot)).sum::<f64>() / 90_000.0;
             assert!((covered - share).abs() < 0.01, "{share}: {covered}");
         }
     }
@@ -264,12 +263,12 @@ mod tests {
             Source { columns: 2, rows: 2, values: vec![0.0, 255.0, 51.0, 0.0], pixel_m: None, full_scale: Some(255.0) };
         let area = parsed("map = \"m\"");
         let sources = Sources { rasters: [("m".into(), source.clone())].into(), ..Sources::default() };
-        let of = Area::new(&area, 0, &recipe, &[], &sources).unwrap();
+        let map = Area::new(&area, 0, &recipe, &[], &sources).unwrap();
         assert_eq!(
-            [at(-1.0, 1.0), at(1.0, 1.0), at(-1.0, -1.0), at(1.0, -1.0)].map(|s| of.share(s)),
+            [at(-1.0, 1.0), at(1.0, 1.0), at(-1.0, -1.0), at(1.0, -1.0)].map(|s| of(&map, s)),
             [0.0, 1.0, 0.2, 0.0]
         );
-        assert_eq!(of.share(at(1e9, 1e9)), 1.0);
+        assert_eq!(of(&map, at(1e9, 1e9)), 1.0);
         source.full_scale = None;
         let sources = Sources { rasters: [("m".into(), source)].into(), ..Sources::default() };
         let (key, message) = Area::new(&area, 0, &recipe, &[], &sources).unwrap_err();
@@ -306,7 +305,7 @@ mod tests {
         let area = parsed(&text);
         let area = Area::new(&area, 0, &recipe, &craters, &sources).unwrap();
         for (r, share) in [(0.4, 0.0), (0.6, 1.0), (2.0, 0.125), (3.1, 0.0)] {
-            assert!((area.share(east(r)) - share).abs() < 1e-12, "{r}");
+            assert!((of(&area, east(r)) - share).abs() < 1e-12, "{r}");
         }
         let none = parsed("craters = { min_diameter_m = 1e6 }");
         assert_eq!(Area::new(&none, 0, &recipe, &craters, &sources).unwrap_err().0, "craters");

@@ -15,6 +15,7 @@ mod layout;
 mod lookup;
 mod material;
 mod noise;
+mod paint;
 mod preset;
 mod random;
 mod recipe;
@@ -42,15 +43,14 @@ pub use version_1::RecipeOne;
 use crate::error::{Error, Result};
 use crate::geometry::{Mesh, index_u32};
 use crate::progress::{Watch, tell};
-use crate::random::Draws;
-use area::{Area, Spot};
-use base::Base;
+use area::Lie;
+use base::{Base, ON_BODY_PER_M, rounded_m};
 use body::Wrap;
 use boulder::{Ball, rest};
 use cratering::Ground;
 use material::index;
 use noise::presence;
-use random::{Purpose, key_in};
+use paint::Areas;
 
 /// Names of the materials that the ground and boulders have if a recipe says nothing.
 const GROUND: &str = "phobos_blue";
@@ -90,11 +90,9 @@ pub struct Landscape {
 impl Landscape {
     /// Coordinates of a site on a body from the body's centre on, still whole multiples of 1e-7 m; of another nothing changes.
     pub fn start_at_centre(&mut self) {
-        let Some(origin_m) = self.origin_m.replace(DVec3::ZERO).filter(|_| self.wrap.is_some()) else {
-            self.origin_m = None;
-            return;
-        };
-        self.mesh.vertices_m.par_iter_mut().for_each(|v| *v = sheet::rounded_m(*v + origin_m, 1e7));
+        let Some(origin_m) = &mut self.origin_m else { return };
+        let from_m = std::mem::take(origin_m);
+        self.mesh.vertices_m.par_iter_mut().for_each(|v| *v = rounded_m(*v + from_m, ON_BODY_PER_M));
     }
 
     /// What looks unusual about it: the place on its body.
@@ -154,8 +152,8 @@ pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<
     let (ground, produced) = dug(recipe, sources)?;
     let areas = Areas::new(recipe, &produced, sources)?;
     let share = |group: usize, x_m: f64, y_m: f64| {
-        let spot = Spot::of(&ground, x_m, y_m, recipe.boulders[group].min_diameter_m);
-        areas.boulders[group].as_ref().map_or(1.0, |area| area.share(spot))
+        let lie = || Lie::of(&ground, [x_m, y_m], recipe.boulders[group].min_diameter_m);
+        areas.boulders[group].as_ref().map_or(1.0, |area| area.share([x_m, y_m], lie))
     };
     let boulders = boulder::all(recipe, &share).map_err(|problem| Error::Invalid(vec![problem]))?;
     let division = division::divide(recipe, &boulders).map_err(|problem| Error::Invalid(vec![problem]))?;
@@ -188,8 +186,8 @@ pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<
             places_m.extend(&rested.places_m);
             mesh.facets.extend(ball.facets.iter().map(|f| f.map(|v| v + base)));
             let of_group = index(&materials, &recipe.boulders[boulder.group].material);
-            let spot = || Spot::of(&ground, boulder.x_m, boulder.y_m, boulder.diameter_m);
-            mesh.material.resize(mesh.facets.len(), areas.of_boulder(recipe, &materials, i, spot).unwrap_or(of_group));
+            let painted = areas.of_boulder(recipe, &materials, i, boulder, &ground);
+            mesh.material.resize(mesh.facets.len(), painted.unwrap_or(of_group));
         }
         made.push(MadeBoulder {
             group: boulder.group,
@@ -199,6 +197,7 @@ pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<
             facets: rested.is_some().then_some([first, mesh.facets.len() - first]),
         });
     }
+    on_body(&mesh, &places_m)?;
     let grain = recipe.texture.as_ref().map(|texture| Grain::new(texture, recipe.seed, recipe.size_m));
     if grain.is_some() {
         mesh.uv = texture::coordinates(&mesh.facets, &places_m, recipe.size_m);
@@ -213,6 +212,21 @@ pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<
         shown: presence(c.diameter_m, division.grading.step_at_m(c.x_m, c.y_m)) > 0.0,
     });
     Ok(Landscape { mesh, beyond, origin_m, wrap, materials, craters: craters.collect(), boulders: made, grain })
+}
+
+/// Refuses a mesh of which a vertex has no place, because the body under it has no surface there, or several.
+fn on_body(mesh: &Mesh, places_m: &[[f64; 2]]) -> Result<()> {
+    let off: Vec<usize> = (0..places_m.len()).filter(|&v| !mesh.vertices_m[v].is_finite()).collect();
+    let Some(&first) = off.first() else { return Ok(()) };
+    let message = format!(
+        "under {} of the mesh's {} vertices the body has no surface, or several over one another, first {:.0} m east and {:.0} m north of the target",
+        off.len(),
+        places_m.len(),
+        places_m[first][0],
+        places_m[first][1]
+    );
+    let help = "close the shape, part what intersects, or let the site and its surroundings reach less far";
+    Err(Error::Invalid(vec![check::at("body", message).with_help(help)]))
 }
 
 /// The ground of a recipe, and the craters that it asks for on its site.
@@ -231,93 +245,6 @@ fn dug(recipe: &Recipe, sources: &Sources) -> Result<(Ground, Vec<crater::Crater
     let reach_m = recipe.surroundings.as_ref().map_or(0.0, |s| s.reach_m);
     let half_m = 0.5 * recipe.size_m;
     Ok((Ground::new(layers, craters, cover, half_m, half_m + reach_m), produced))
-}
-
-/// The areas of a recipe's groups of boulders, and of what it paints.
-struct Areas<'a> {
-    boulders: Vec<Option<Area<'a>>>,
-    paint: Vec<Option<Area<'a>>>,
-}
-
-impl<'a> Areas<'a> {
-    fn new(recipe: &'a Recipe, craters: &[crater::Crater], sources: &'a Sources) -> Result<Self> {
-        let mut problems = Vec::new();
-        let mut area = |item: String, area: &'a Option<Where>, number: usize| {
-            let area = area.as_ref()?;
-            match Area::new(area, number as u64, recipe, craters, sources) {
-                Ok(area) => Some(area),
-                Err((key, message)) => {
-                    problems.push(check::at(&format!("{item}.where.{key}"), message));
-                    None
-                }
-            }
-        };
-        // Numbers that stay when a group or a rule of the other kind is added.
-        let boulders: Vec<_> =
-            recipe.boulders.iter().enumerate().map(|(i, b)| area(format!("boulders[{i}]"), &b.area, 2 * i)).collect();
-        let paint: Vec<_> =
-            recipe.paint.iter().enumerate().map(|(i, p)| area(format!("paint[{i}]"), &p.area, 2 * i + 1)).collect();
-        if problems.is_empty() { Ok(Areas { boulders, paint }) } else { Err(Error::Invalid(problems)) }
-    }
-
-    /// The rules for the ground or for boulders, the last first, each with its number.
-    fn rules(&self, recipe: &'a Recipe, on: Painted) -> impl Iterator<Item = (usize, &'a Paint, Option<&Area<'a>>)> {
-        let rules = recipe.paint.iter().zip(&self.paint).enumerate().rev();
-        rules.filter(move |(_, (p, _))| p.on == on || p.on == Painted::All).map(|(i, (p, area))| (i, p, area.as_ref()))
-    }
-
-    /// The material that the last rule which holds gives to thing number `index`; where a rule holds to a share, it is by chance.
-    fn painted(
-        &self,
-        recipe: &'a Recipe,
-        materials: &[LandscapeMaterial],
-        on: Painted,
-        number: u64,
-        spot: impl Fn() -> Spot,
-    ) -> Option<crate::geometry::MaterialId> {
-        let mut found = None;
-        let mut known = None;
-        for (i, paint, area) in self.rules(recipe, on) {
-            let share = area.map_or(1.0, |area| area.share(*known.get_or_insert_with(&spot)));
-            let chance = || {
-                Draws::new(key_in(recipe.seed, Purpose::Paint, 2 * i + usize::from(on == Painted::Boulders), number))
-                    .unit()
-            };
-            if share >= 1.0 || (share > 0.0 && chance() < share) {
-                found = Some(index(materials, &paint.material));
-                break;
-            }
-        }
-        found
-    }
-
-    /// The material of each facet of the ground, by its middle.
-    fn of_ground(
-        &self,
-        recipe: &'a Recipe,
-        materials: &[LandscapeMaterial],
-        sheet: &sheet::Sheet,
-    ) -> Vec<crate::geometry::MaterialId> {
-        let ground = index(materials, &recipe.ground);
-        if self.rules(recipe, Painted::Ground).next().is_none() {
-            return vec![ground; sheet.facets.len()];
-        }
-        let facets = (0..sheet.facets.len()).into_par_iter().with_min_len(1 << 12);
-        facets
-            .map(|f| self.painted(recipe, materials, Painted::Ground, f as u64, || sheet.spot(f)).unwrap_or(ground))
-            .collect()
-    }
-
-    /// The material that a boulder is painted with.
-    fn of_boulder(
-        &self,
-        recipe: &'a Recipe,
-        materials: &[LandscapeMaterial],
-        number: usize,
-        spot: impl Fn() -> Spot,
-    ) -> Option<crate::geometry::MaterialId> {
-        self.painted(recipe, materials, Painted::Boulders, number as u64, spot)
-    }
 }
 
 #[cfg(test)]

@@ -670,8 +670,10 @@ impl Craters {
     /// How many craters are made on a site with this area.
     pub(super) fn number(&self, area_km2: f64) -> f64 {
         let of_saturation = |share: f64| {
-            // Those larger than the smallest, less those larger than the largest.
-            let largest = (self.max_diameter_m / self.min_diameter_m).powf(-self.exponent);
+            // Those larger than the smallest, less those larger than the largest; of one size all.
+            let is_one_size = self.max_diameter_m == self.min_diameter_m;
+            let largest =
+                if is_one_size { 0.0 } else { (self.max_diameter_m / self.min_diameter_m).powf(-self.exponent) };
             share * 1.54 / (1e-6 * self.min_diameter_m * self.min_diameter_m) * area_km2 * (1.0 - largest)
         };
         let by_density = self.per_km2.map(|density| density * area_km2);

@@ -4,14 +4,14 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::STAGE;
-use super::area::Spot;
-use super::base::Base;
+use super::area::Lie;
+use super::base::{Base, rounded_m};
 use super::cratering::Ground;
 use super::division::Division;
 use super::layout::{Grading, Layout, StripFacet};
 use crate::error::Result;
 use crate::geometry::cell::{self, cell_at};
-use crate::geometry::index_u32;
+use crate::geometry::{Facet, index_u32};
 use crate::progress::{Watch, tell};
 
 /// Vertices between two progress reports.
@@ -50,11 +50,11 @@ impl Sheet {
                 let relief = base.relief(x_m, y_m);
                 let exact_m =
                     if relief > 0.0 { relief * ground.height_m(x_m, y_m, grading.step_at_m(x_m, y_m)) } else { 0.0 };
-                *height_m = (exact_m * base.digits()).round() / base.digits() + 0.0;
+                *height_m = rounded_m(DVec3::splat(exact_m), base.per_m()).x;
             });
         }
         let vertices_m = (places_m.par_iter().zip(&heights_m))
-            .map(|(&[x_m, y_m], &z_m)| rounded_m(base.point_m(DVec3::new(x_m, y_m, z_m)), base.digits()))
+            .map(|(&[x_m, y_m], &z_m)| rounded_m(base.point_m(DVec3::new(x_m, y_m, z_m)), base.per_m()))
             .collect();
 
         let [columns, rows] = layout.grid();
@@ -105,10 +105,7 @@ impl Sheet {
 
     /// Height over the base at a place, m, as the facets have it on the map.
     pub(super) fn height_m(&self, x_m: f64, y_m: f64) -> f64 {
-        let corners = self.facets[self.facet_at(x_m, y_m)].map(|v| {
-            let ([x_m, y_m], z_m) = (self.places_m[v as usize], self.heights_m[v as usize]);
-            DVec3::new(x_m, y_m, z_m)
-        });
+        let corners = self.on_map_m(self.facet_at(x_m, y_m));
         above_m(DVec3::new(x_m, y_m, 0.0), corners, DVec3::Z).map_or(corners[0].z, |above_m| -above_m)
     }
 
@@ -117,16 +114,20 @@ impl Sheet {
         &self.places_m
     }
 
-    /// What the ground is like at the middle of a facet.
-    pub(super) fn spot(&self, facet: usize) -> Spot {
-        let corners = self.facets[facet].map(|v| {
+    /// Corners of a facet on the map, and their heights over the base, m.
+    fn on_map_m(&self, facet: usize) -> [DVec3; 3] {
+        self.facets[facet].map(|v| {
             let ([x_m, y_m], z_m) = (self.places_m[v as usize], self.heights_m[v as usize]);
             DVec3::new(x_m, y_m, z_m)
-        });
-        let [a_m, b_m, c_m] = corners;
-        let (middle_m, normal) = ((a_m + b_m + c_m) / 3.0, (b_m - a_m).cross(c_m - a_m).normalize_or_zero());
-        let slope_deg = normal.z.clamp(-1.0, 1.0).acos().to_degrees();
-        Spot { x_m: middle_m.x, y_m: middle_m.y, height_m: middle_m.z, slope_deg }
+        })
+    }
+
+    /// Where the middle of a facet is on the map, m, and what the ground is like there.
+    pub(super) fn lie(&self, facet: usize) -> ([f64; 2], Lie) {
+        let facet = Facet { corners_m: self.on_map_m(facet) };
+        let middle_m = facet.centroid_m();
+        let slope_deg = facet.normal().z.clamp(-1.0, 1.0).acos().to_degrees();
+        ([middle_m.x, middle_m.y], Lie { height_m: middle_m.z, slope_deg })
     }
 
     /// Normal of the ground over so many metres around a place, in the site's axes: unit vector.
@@ -139,8 +140,8 @@ impl Sheet {
     /// How far a place of the site lies above the mesh, along what is up there, m.
     pub(super) fn above_m(&self, site_m: DVec3) -> f64 {
         let corners = self.facets[self.facet_at(site_m.x, site_m.y)].map(|v| self.vertices_m[v as usize]);
-        let up = self.base.up(site_m.x, site_m.y);
-        above_m(self.base.point_m(site_m), corners, up).unwrap_or(0.0)
+        let (p_m, up) = self.base.stand_m(site_m);
+        above_m(p_m, corners, up).unwrap_or(0.0)
     }
 
     /// How far the mesh's end lies off the base, at its vertices or half way between them, m, at most.
@@ -158,7 +159,7 @@ impl Sheet {
 
     /// A place of the site in the axes of the mesh, m.
     pub(super) fn placed_m(&self, site_m: DVec3) -> DVec3 {
-        rounded_m(self.base.point_m(site_m), self.base.digits())
+        rounded_m(self.base.point_m(site_m), self.base.per_m())
     }
 }
 
@@ -176,8 +177,64 @@ fn corners(column: usize, row: usize, columns: usize) -> [u32; 4] {
     [south, south + 1, north + 1, north]
 }
 
-/// The nearest whole multiple of 1 / `digits` m, as the f64 that reading its decimal text gives: a whole number over a whole
-/// number is rounded once, as the text is. Adding zero makes -0 into 0.
-pub(super) fn rounded_m(v: DVec3, digits: f64) -> DVec3 {
-    (v * digits).round() / digits + DVec3::ZERO
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::landscape::division::divide;
+    use crate::landscape::recipe::{Detail, Recipe, Surroundings};
+    use crate::landscape::relief::layers;
+    use crate::landscape::sources::Sources;
+
+    fn sheet(detail: bool, around: bool) -> Sheet {
+        let recipe = Recipe {
+            facets: 4000,
+            size_m: 300.0,
+            detail: detail.then_some(Detail { x_m: 37.0, y_m: -21.0, size_m: 90.0, growth: 0.1 }),
+            surroundings: around.then_some(Surroundings { reach_m: 500.0, growth: 0.2 }),
+            ..Recipe::new(1)
+        };
+        let layers = layers(&recipe, "relief", &Sources::default()).unwrap();
+        let ground = Ground::new(layers, Vec::new(), Vec::new(), 150.0, 650.0);
+        Sheet::new(&divide(&recipe, &[]).unwrap(), &ground, Base::Plane, &|_| true).unwrap()
+    }
+
+    /// Inside of facets, and where they are easily missed: on their corners, edges, and next to these, in the grid, in strips, and on the rings between.
+    #[test]
+    fn heights_are_those_of_the_facets_everywhere() {
+        let mut seen = 0;
+        for (detail, around) in [(false, false), (true, false), (false, true), (true, true)] {
+            let sheet = sheet(detail, around);
+            for facet in 0..sheet.facets.len() {
+                let corners = Facet { corners_m: sheet.on_map_m(facet) };
+                for (u, v) in
+                    [(0.3, 0.3), (0.0, 0.0), (1.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.0, 0.5), (1e-9, 0.4), (0.4, 1e-9)]
+                {
+                    let p = corners.point_m(u, v);
+                    // Slopes are below 2, and a place on an edge may be taken by the neighbour, off by rounding.
+                    let off_m = (sheet.height_m(p.x, p.y) - p.z).abs();
+                    assert!(off_m < 1e-8, "{detail} {around}: facet {facet} at {u}, {v}: {off_m}");
+                    assert!(sheet.above_m(p).abs() < 1e-4, "{}", sheet.above_m(p));
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 100_000, "{seen}");
+    }
+
+    #[test]
+    fn each_cell_is_cut_by_its_shorter_diagonal() {
+        let sheet = sheet(false, false);
+        let (mut seen, mut first) = (0, 0);
+        for pair in sheet.facets.chunks(2) {
+            let shared: Vec<u32> = pair[0].into_iter().filter(|v| pair[1].contains(v)).collect();
+            let apart: Vec<u32> = pair.iter().filter_map(|f| f.iter().find(|v| !shared.contains(v)).copied()).collect();
+            let length_m =
+                |ends: &[u32]| sheet.vertices_m[ends[0] as usize].distance(sheet.vertices_m[ends[1] as usize]);
+            assert!(length_m(&shared) <= length_m(&apart) + 1e-5);
+            first += usize::from(shared.contains(&pair[0][0]) && pair[0][2] == pair[1][1]);
+            seen += 1;
+        }
+        // Both diagonals are in use.
+        assert!((1980..=2020).contains(&seen) && first > seen / 10 && first < seen - seen / 10, "{first} of {seen}");
+    }
 }

@@ -18,7 +18,7 @@ use super::check::at;
 use super::recipe::{BodyRecipe, Height, Recipe, ShapeName};
 use super::sources::Sources;
 use crate::error::{Error, Problem, Result, number};
-use crate::geometry::{Mesh, planetocentric_deg};
+use crate::geometry::{Mesh, body_from_site, direction_of_deg, planetocentric_deg};
 use ellipsoid::Ellipsoid;
 use phobos::Phobos;
 use projection::Projection;
@@ -127,17 +127,19 @@ impl Wrap {
             report: WrapReport::default(),
         };
         let Some((foot_m, _)) = wrap.surface_at(0.0, 0.0) else {
-            return Err(invalid(at(body.target_key(), "the body has a hole at the target")));
+            return Err(invalid(at(
+                body.target_key(),
+                "the body has no surface at the target, or several over one another",
+            )));
         };
         let on_body = body.lonlat_deg.is_some() || body.height == Some(Height::Body);
         wrap.origin_m = if on_body { foot_m } else { target_m };
         wrap.moved_m = wrap.origin_m - foot_m;
-        wrap.check_holes(recipe)?;
         wrap.report = report::report(&wrap, target_m, ground_m, foot_m);
         Ok(wrap)
     }
 
-    /// Foot and normal at a place of the site before the body is moved; none where the body has a hole.
+    /// Foot and normal at a place of the site before the body is moved; none where the body has no surface, or several over one another.
     fn surface_at(&self, x_m: f64, y_m: f64) -> Option<(DVec3, DVec3)> {
         let direction = self.projection.direction(x_m, y_m);
         let centre_m = self.projection.centre_m;
@@ -148,10 +150,10 @@ impl Wrap {
         }
     }
 
-    /// Foot of a place of the site, relative to [`origin_m`](Self::origin_m), body axes, m, and the body's unit normal there.
+    /// Foot of a place of the site, relative to [`origin_m`](Self::origin_m), body axes, m, and the body's unit normal there; NaN where the body has no
+    /// surface, or several over one another.
     pub(super) fn foot(&self, x_m: f64, y_m: f64) -> (DVec3, DVec3) {
-        // Where the body has holes it was refused; a boulder's vertex that stands out beyond the mesh keeps to the upright.
-        let (foot_m, normal) = self.surface_at(x_m, y_m).unwrap_or((self.origin_m, self.projection.up));
+        let (foot_m, normal) = self.surface_at(x_m, y_m).unwrap_or((DVec3::NAN, DVec3::NAN));
         (foot_m + self.moved_m - self.origin_m, normal)
     }
 
@@ -170,57 +172,14 @@ impl Wrap {
     pub(super) fn report(&self) -> WrapReport {
         self.report
     }
-
-    /// Refuses a body with holes, or that intersects itself, where the mesh lies, on a grid of places.
-    fn check_holes(&self, recipe: &Recipe) -> Result<()> {
-        const SIDE: i32 = 128;
-        let (mut holes, mut first) = (0, None);
-        let (mut layers, mut doubled) = (0, None);
-        for i in 0..=SIDE * SIDE {
-            let place = |k: i32| self.end_m * (2.0 * f64::from(k) / f64::from(SIDE - 1) - 1.0);
-            let (x_m, y_m) = (place(i % SIDE), place((i / SIDE).min(SIDE - 1)));
-            if self.surface_at(x_m, y_m).is_none_or(|(foot_m, _)| !foot_m.is_finite()) {
-                holes += 1;
-                first.get_or_insert((x_m, y_m));
-            }
-            if let Surface::Smooth(smooth) = &self.surface
-                && smooth.layers(x_m, y_m) > 1
-            {
-                layers += 1;
-                doubled.get_or_insert((x_m, y_m));
-            }
-        }
-        if let Some((x_m, y_m)) = doubled {
-            let share = 100.0 * f64::from(layers) / f64::from(SIDE * SIDE);
-            let message = format!(
-                "facets of the body lie over one another under {share:.1} % of the mesh, first {} m east and {} m north of the target: it intersects itself",
-                number(x_m.round()),
-                number(y_m.round())
-            );
-            return Err(Error::Invalid(vec![at("body.files", message)]));
-        }
-        let Some((x_m, y_m)) = first else { return Ok(()) };
-        let share = 100.0 * f64::from(holes) / f64::from(SIDE * SIDE);
-        let message = format!(
-            "the body has no surface under {share:.1} % of the mesh, first {} m east and {} m north of the target",
-            number(x_m.round()),
-            number(y_m.round())
-        );
-        let help = if recipe.surroundings.is_some() {
-            "let the surroundings reach less far, or close the shape"
-        } else {
-            "close the shape"
-        };
-        Err(Error::Invalid(vec![at("body", message).with_help(help)]))
-    }
 }
 
 impl BodyRecipe {
     /// From the body's centre to the target: unit vector.
     fn towards(&self) -> DVec3 {
-        let [longitude, latitude] = self.lonlat_deg.unwrap_or_default().map(f64::to_radians);
-        let on_sphere = DVec3::new(latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin());
-        self.target_m.map_or(on_sphere, DVec3::from_array).normalize_or_zero()
+        let [longitude_deg, latitude_deg] = self.lonlat_deg.unwrap_or_default();
+        let by_angles = || direction_of_deg([latitude_deg, longitude_deg]);
+        self.target_m.map_or_else(by_angles, DVec3::from_array).normalize_or_zero()
     }
 
     fn target_key(&self) -> &'static str {
@@ -229,13 +188,12 @@ impl BodyRecipe {
 
     /// The site's x and y axes, body axes: unit vectors at right angles to the upright.
     fn axes(&self, up: DVec3) -> [DVec3; 2] {
-        // At a pole, north is where longitude 0 comes from.
-        let level = |v: DVec3| (v - v.dot(up) * up).normalize_or_zero();
-        let north = if up.z.abs() < 1.0 { level(DVec3::Z) } else { level(DVec3::NEG_X * up.z) };
+        let (east, north) = body_from_site(up).map_or((DVec3::X, DVec3::Y), |axes| (axes.x_axis, axes.y_axis));
         let (sin, cos) = self.azimuth_deg.unwrap_or(0.0).to_radians().sin_cos();
-        let turned = cos * north + sin * north.cross(up);
-        let along = self.along.map(|along| level(DVec3::from_array(along))).filter(|along| *along != DVec3::ZERO);
-        let y = along.unwrap_or(turned).normalize_or(up.any_orthonormal_vector());
+        let level = |along: [f64; 3]| DVec3::from_array(along).reject_from_normalized(up).normalize_or_zero();
+        // A direction straight up says nothing of where the site points.
+        let along = self.along.map(level).filter(|along| *along != DVec3::ZERO);
+        let y = along.unwrap_or(cos * north + sin * east);
         [y.cross(up), y]
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::ellipsoid::Ellipsoid;
-use crate::geometry::whole;
+use crate::geometry::{direction_of_deg, whole};
 use crate::landscape::crater::Crater;
 use crate::landscape::random::{Purpose, key};
 use crate::landscape::recipe::{Craters, Overlap};
@@ -88,9 +88,8 @@ impl Phobos {
         for row in 0..ROWS {
             for column in 0..COLUMNS {
                 // A cell's directions are no farther from its middle than its own half diagonal.
-                let (z, longitude) =
-                    ((row as f64 + 0.5) / ROWS as f64 * PI - 0.5 * PI, (column as f64 + 0.5) / COLUMNS as f64 * TAU);
-                let at = DVec3::new(z.cos() * longitude.cos(), z.cos() * longitude.sin(), z.sin());
+                let middle_deg = |cell: usize, count: usize, all_deg: f64| (cell as f64 + 0.5) / count as f64 * all_deg;
+                let at = direction_of_deg([middle_deg(row, ROWS, 180.0) - 90.0, middle_deg(column, COLUMNS, 360.0)]);
                 let half = 0.5 * (PI / ROWS as f64).hypot(TAU / COLUMNS as f64);
                 if at.dot(middle).clamp(-1.0, 1.0).acos() <= reach + half {
                     self.cells[row * COLUMNS + column].push(number);

@@ -21,6 +21,14 @@ pub(super) struct Smooth {
     parts: Vec<Part>,
 }
 
+/// What a mesh has at a place.
+enum At {
+    Hole,
+    One([u32; 3]),
+    /// Facets over one another: the shape intersects itself.
+    Several,
+}
+
 /// One mesh as a map of distances.
 #[derive(Debug, Clone)]
 struct Part {
@@ -43,18 +51,17 @@ impl Smooth {
         Ok(Smooth { parts: parts.collect::<Result<_, _>>()? })
     }
 
-    /// How many facets of one mesh lie over one another at a place, at most: more than one of a shape that intersects itself.
-    pub(super) fn layers(&self, x_m: f64, y_m: f64) -> usize {
-        let place = DVec2::new(x_m, y_m);
-        self.parts.iter().map(|part| part.candidates(place).filter(|c| c.0 > ROUNDING).count()).max().unwrap_or(0)
-    }
-
-    /// Foot, m, and unit normal at a place; none where there is a hole.
+    /// Foot, m, and unit normal at a place; none in a hole, and where facets of one mesh lie over one another.
     pub(super) fn at(&self, projection: &Projection, x_m: f64, y_m: f64) -> Option<(DVec3, DVec3)> {
         let place = DVec2::new(x_m, y_m);
         let mut found: Option<(f64, DVec2)> = None;
         for part in &self.parts {
-            let Some((distance_m, slope, share, share_slope)) = part.at(place) else { continue };
+            let facet = match part.facet_at(place) {
+                At::Hole => continue,
+                At::Several => return None,
+                At::One(facet) => facet,
+            };
+            let (distance_m, slope, share, share_slope) = part.over(facet, place);
             found = Some(match found {
                 Some((before_m, before_slope)) => (
                     before_m + share * (distance_m - before_m),
@@ -160,28 +167,37 @@ impl Part {
         ranks.into_iter().map(|rank| f64::from(rank) / 3.0).collect()
     }
 
-    /// Facets that may hold a place, each with the least of the place's barycentric coordinates.
-    fn candidates(&self, place: DVec2) -> impl Iterator<Item = (f64, u32)> {
-        let is_near = place.abs().max_element() <= self.half_m;
+    /// The facet at a place. On an edge either will do, and between two within rounding the one that it is least outside of.
+    fn facet_at(&self, place: DVec2) -> At {
+        if place.abs().max_element() > self.half_m {
+            return At::Hole;
+        }
         let cell = |x_m: f64| whole(self.place(x_m)).min(CELLS - 1);
-        let numbers: &[u32] = if is_near { &self.cells[cell(place.y) * CELLS + cell(place.x)] } else { &[] };
-        numbers.iter().map(move |&number| {
-            let weights = barycentric(self.facets[number as usize].map(|v| self.corners[v as usize].at), place);
-            (weights.into_iter().fold(f64::INFINITY, f64::min), number)
-        })
+        let (mut best, mut within) = ((-ROUNDING, None), 0);
+        for &number in &self.cells[cell(place.y) * CELLS + cell(place.x)] {
+            let facet = self.facets[number as usize];
+            let weights = barycentric(facet.map(|v| self.corners[v as usize].at), place);
+            let least = weights.into_iter().fold(f64::INFINITY, f64::min);
+            within += usize::from(least > ROUNDING);
+            if least > best.0 {
+                best = (least, Some(facet));
+            }
+        }
+        match best.1 {
+            None => At::Hole,
+            Some(_) if within > 1 => At::Several,
+            Some(facet) => At::One(facet),
+        }
     }
 
-    /// Distance from the centre, m, and its slopes at a place; and the share of this mesh there and its slopes. None outside of it.
-    fn at(&self, place: DVec2) -> Option<(f64, DVec2, f64, DVec2)> {
-        // On an edge either facet will do, and between two within rounding the one that it is least outside of.
-        let best = self.candidates(place).max_by(|a, b| a.0.total_cmp(&b.0)).filter(|best| best.0 > -ROUNDING)?;
-        let facet = self.facets[best.1 as usize];
+    /// Distance from the centre, m, and its slopes at a place of a facet; and the share of this mesh there and its slopes.
+    fn over(&self, facet: [u32; 3], place: DVec2) -> (f64, DVec2, f64, DVec2) {
         let corners = facet.map(|v| self.corners[v as usize]);
         let (distance_m, slope) = smooth(&corners, place);
         let at = corners.map(|c| c.at);
         let shares = facet.map(|v| self.shares[v as usize]);
         if shares == [1.0; 3] {
-            return Some((distance_m, slope, 1.0, DVec2::ZERO));
+            return (distance_m, slope, 1.0, DVec2::ZERO);
         }
         // Smoothly from 0 to 1: the share's slope vanishes at both ends, though it has steps between.
         let weights = barycentric(at, place);
@@ -192,7 +208,7 @@ impl Part {
         };
         let t = linear.clamp(0.0, 1.0);
         let steep = 6.0 * t * (1.0 - t);
-        Some((distance_m, slope, t * t * (3.0 - 2.0 * t), steep * DVec2::new(by(DVec2::X), by(DVec2::Y))))
+        (distance_m, slope, t * t * (3.0 - 2.0 * t), steep * DVec2::new(by(DVec2::X), by(DVec2::Y)))
     }
 }
 
@@ -231,6 +247,10 @@ pub(super) fn hit(meshes: &[Mesh], direction: DVec3) -> Option<(DVec3, DVec3)> {
             let sum: f64 = weights.iter().sum();
             let [wa, wb, wc] = weights.map(|w| w / sum);
             let point_m = wa * a + wb * b + wc * c;
+            // Facets that face the centre are met by the line's other half.
+            if point_m.dot(direction) <= 0.0 {
+                continue;
+            }
             match met {
                 // The same place, on an edge or a corner.
                 Some((before_m, ..)) if (before_m - point_m).length() <= 1e-9 * point_m.length() => {}
@@ -359,8 +379,9 @@ mod tests {
         let mut two = mesh.clone();
         two.append(shell);
         assert!(hit(std::slice::from_ref(&two), projection.up).is_none());
-        assert_eq!(Smooth::new(&[two], &projection, 500.0).unwrap().layers(3.0, 5.0), 2);
-        assert_eq!(Smooth::new(std::slice::from_ref(&mesh), &projection, 500.0).unwrap().layers(3.0, 5.0), 1);
+        assert!(Smooth::new(&[two], &projection, 500.0).unwrap().at(&projection, 3.0, 5.0).is_none());
+        let one = Smooth::new(std::slice::from_ref(&mesh), &projection, 500.0).unwrap();
+        assert!(one.at(&projection, 3.0, 5.0).is_some());
         mesh.facets.remove(top);
         let smooth = Smooth::new(std::slice::from_ref(&mesh), &projection, 500.0).unwrap();
         assert!(smooth.at(&projection, 0.0, 0.0).is_none());

@@ -13,7 +13,7 @@ use crate::random::Draws;
 pub(super) use rest::rest;
 pub(super) use shape::Ball;
 
-/// Places that are tried for a boulder, for each that it has a right to by what the places tried before have shown.
+/// So many places are tried in vain for the first boulder, and a hundred more for each that has found one.
 const TRIES: u64 = 100_000;
 
 /// One boulder of the site, still without a height.
@@ -58,7 +58,7 @@ pub(super) fn all(recipe: &Recipe, share: &dyn Fn(usize, f64, f64) -> f64) -> Re
             let [x_m, y_m] = loop {
                 let [x_m, y_m] = [draws.between(-half_m, half_m), draws.between(-half_m, half_m)];
                 let share = if boulders.area.is_some() { share(g, x_m, y_m) } else { 1.0 };
-                // Even numbers are below 1: where the share is 1, each is accepted.
+                // Where all is there nothing more is drawn: without an area boulders lie where they always did.
                 if share >= 1.0 || (share > 0.0 && draws.unit() < share) {
                     break [x_m, y_m];
                 }
