@@ -504,7 +504,12 @@ fn recipe(path: &Path) -> Result<Facts> {
         ("facets", json!(recipe.facets)),
         ("relief", json!(recipe.relief)),
         ("craters", json!(recipe.craters)),
+        ("cover", json!(recipe.cover)),
         ("boulders", json!(recipe.boulders)),
+        ("paint", json!(recipe.paint)),
+        ("detail", json!(recipe.detail)),
+        ("surroundings", json!(recipe.surroundings)),
+        ("body", json!(recipe.body)),
     ])
 }
 

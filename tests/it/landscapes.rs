@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use mmxrt::Error;
+use mmxrt::formats::registry;
 use mmxrt::geometry::Mesh;
 use mmxrt::landscape::{self, Boulders, Craters, Landscape, Recipe, Sources, Span};
 
@@ -232,6 +233,111 @@ fn the_target_of_table_i_lies_804_m_above_the_ellipsoid() {
         assert_eq!((range_m - 77_273.6).abs() < 0.1, height == "target", "{range_m}");
         assert!(made.doubts()[0].contains("804"), "{:?}", made.doubts());
     }
+}
+
+/// The kernel that CSPICE wrote: 320 plates on an ellipsoid, of 3 to 4 km, in km.
+fn kernel_of_spice() -> Mesh {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/meshes/ellipsoid.bds");
+    let mut mesh = registry::mesh(std::path::Path::new(path), true).unwrap().surface.mesh;
+    mesh.vertices_m.iter_mut().for_each(|v| *v *= 1000.0);
+    mesh
+}
+
+/// A smooth site on a mesh, at longitude 40, latitude 20 deg.
+fn on(mesh: Mesh, site: &str) -> Result<Landscape, String> {
+    let recipe = parsed(&format!("{site}\n[body]\nfiles = [\"b\"]\nlonlat_deg = [40.0, 20.0]\n"));
+    let sources = Sources { meshes: [("b".to_owned(), mesh)].into(), ..Sources::default() };
+    match landscape::generate(&recipe, &sources, &|_| true) {
+        Ok(made) => Ok(made),
+        Err(Error::Invalid(problems)) => Err(problems[0].to_string()),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+#[test]
+fn a_site_on_a_shape_that_cspice_wrote_is_smooth_and_near_the_ellipsoid() {
+    // 6 km, over some five plates.
+    let made = on(kernel_of_spice(), "size_m = 6000.0\nfacets = 20_000").unwrap();
+    let origin_m = made.origin_m.unwrap();
+    let level = |p_m: DVec3| (p_m / DVec3::new(12_950.0, 11_300.0, 9160.0)).length();
+    // Plates lie up to 1.3 % below the ellipsoid: the smooth surface a tenth of that, and its facets have no edges of the plates' 13 deg.
+    let off = made.mesh.vertices_m.iter().map(|v| (level(*v + origin_m) - 1.0).abs()).fold(0.0, f64::max);
+    assert!(off < 0.002, "{off}");
+    let normals: Vec<DVec3> = (0..made.mesh.facets.len()).map(|f| made.mesh.facet(f).normal()).collect();
+    let mut of_edge = std::collections::BTreeMap::new();
+    let mut sharpest = 1.0f64;
+    for (f, &[a, b, c]) in made.mesh.facets.iter().enumerate() {
+        for edge in [[a, b], [b, c], [c, a]] {
+            let key = [edge[0].min(edge[1]), edge[0].max(edge[1])];
+            if let Some(other) = of_edge.insert(key, f) {
+                sharpest = sharpest.min(normals[f].dot(normals[other]));
+            }
+        }
+    }
+    // Facets of 60 m on a body of 10 km: 0.35 deg, and more where it bends more than the ellipsoid does.
+    assert!(sharpest.acos().to_degrees() < 1.0, "{}", sharpest.acos().to_degrees());
+}
+
+#[test]
+fn shapes_with_holes_folds_and_second_shells_are_refused_wherever_the_mesh_lies() {
+    let whole = kernel_of_spice();
+    let towards = DVec3::new(0.72, 0.604, 0.342);
+    let mut near: Vec<usize> = (0..whole.facets.len()).collect();
+    near.sort_by(|&a, &b| {
+        let angle = |f: usize| whole.facet(f).centroid_m().normalize().dot(towards);
+        angle(b).total_cmp(&angle(a))
+    });
+    let edited = |edit: &dyn Fn(&mut Mesh)| {
+        let mut mesh = kernel_of_spice();
+        edit(&mut mesh);
+        on(mesh, "size_m = 600.0\nfacets = 4000\nsurroundings = { reach_m = 2000.0, growth = 0.3 }").err()
+    };
+    // The plate under the target, and one beside it.
+    for k in [0, 1] {
+        let hole = edited(&|mesh| {
+            mesh.facets.remove(near[k]);
+        })
+        .unwrap();
+        assert!(hole.contains("body") && hole.contains("no surface"), "{hole}");
+        let fold = edited(&|mesh| mesh.facets[near[k]].swap(1, 2)).unwrap();
+        assert!(fold.contains("do not face away") || fold.contains("meets no surface"), "{fold}");
+    }
+    // A hole of 40 m in it, about 500 m from the target: smaller than what any grid of samples finds.
+    let small = edited(&|mesh| {
+        let [a, b, c] = mesh.facets[near[0]];
+        let [pa, pb, pc] = [a, b, c].map(|v| mesh.vertices_m[v as usize]);
+        let middle_m = towards * (pa.dot((pb - pa).cross(pc - pa)) / towards.dot((pb - pa).cross(pc - pa)));
+        let corner = |t: DVec3| middle_m + (t - middle_m) * 0.006 + (pb - pa).normalize() * 250.0;
+        let first = u32::try_from(mesh.vertices_m.len()).unwrap();
+        mesh.vertices_m.extend([pa, pb, pc].map(corner));
+        let [d, e, f] = [first, first + 1, first + 2];
+        mesh.facets[near[0]] = [a, b, e];
+        mesh.facets.extend([[a, e, d], [b, c, f], [b, f, e], [c, a, d], [c, d, f]]);
+    })
+    .unwrap();
+    assert!(small.contains("no surface") && small.contains("of the mesh's"), "{small}");
+    // A second shell over a part of it.
+    let shell = edited(&|mesh| {
+        let mut part = mesh.part(&near[..6].iter().map(|f| u32::try_from(*f).unwrap()).collect::<Vec<_>>());
+        part.vertices_m.iter_mut().for_each(|v| *v *= 1.01);
+        mesh.append(part);
+    })
+    .unwrap();
+    assert!(shell.contains("more than one") || shell.contains("several"), "{shell}");
+    // On the far side none of it matters.
+    let far = near[near.len() - 1];
+    let hole = edited(&|mesh| {
+        mesh.facets.remove(far);
+    });
+    assert_eq!(hole, None);
+    assert_eq!(edited(&|mesh| mesh.facets[far].swap(1, 2)), None);
+}
+
+#[test]
+fn saturation_of_craters_of_one_size_is_that_of_all_of_them() {
+    // 0.02 x 1.54 x 4 km2 / (0.05 km)^2: 49.3.
+    let text = "facets = 1000\n[[craters]]\nmin_diameter_m = 50.0\nmax_diameter_m = 50.0\nsaturation = 0.02\n";
+    assert_eq!(made(&parsed(text)).craters.len(), 49);
 }
 
 #[test]
