@@ -11,11 +11,11 @@ use crate::scenes::{SQUARE, replaced};
 use crate::scratch::Scratch;
 
 /// Of corners at 4 m on the axes; each face is an octant.
-const OCTAHEDRON: &str = "v 4 0 0\nv 0 4 0\nv -4 0 0\nv 0 -4 0\nv 0 0 4\nv 0 0 -4\n\
+pub(crate) const OCTAHEDRON: &str = "v 4 0 0\nv 0 4 0\nv -4 0 0\nv 0 -4 0\nv 0 0 4\nv 0 0 -4\n\
     f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\nf 2 1 6\nf 3 2 6\nf 4 3 6\nf 1 4 6\n";
 
 /// From 1 km above the North pole: each of 2 x 2 pixels of 4 m has one face in half of it.
-fn prepared(more: &[(&str, &str)]) -> Scratch {
+pub(crate) fn prepared(more: &[(&str, &str)]) -> Scratch {
     let scratch = Scratch::new();
     scratch.write("octahedron.obj", OCTAHEDRON);
     let scene = replaced(
@@ -31,13 +31,13 @@ fn prepared(more: &[(&str, &str)]) -> Scratch {
     scratch
 }
 
-fn cube(scratch: &Scratch) -> Vec<f64> {
+pub(crate) fn cube(scratch: &Scratch) -> Vec<f64> {
     let bytes = std::fs::read(scratch.join("out/cube.img")).unwrap();
     bytes.as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect()
 }
 
 /// What is seen of the quarters from longitude 0, 90, 180 and 270 on, of values of columns that begin at a longitude: a quarter's face fills half a pixel.
-fn assert_quarters(image: &[f64], expected: [f64; 4], what: &str) {
+pub(crate) fn assert_quarters(image: &[f64], expected: [f64; 4], what: &str) {
     let found = [image[1], image[0], image[2], image[3]];
     let off = found.iter().zip(expected).map(|(a, b)| (a - 0.5 * b).abs()).fold(0.0, f64::max);
     assert!(off < 1e-3, "{what}: {found:?}, expected half of {expected:?}");

@@ -70,6 +70,7 @@ mod lon_lat;
 mod long_inputs;
 mod malformed_scene;
 mod map_files;
+mod material_maps;
 mod map_light;
 mod map_sums;
 mod maps;

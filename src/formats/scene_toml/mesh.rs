@@ -10,7 +10,7 @@ use crate::formats::mesh_file::{MOST, NamedPose};
 use crate::formats::mtl::{self, ObjMaterial};
 use crate::formats::recipe_toml::{self, OpenedRecipe};
 use crate::formats::{coloured_mesh::Placing, registry};
-use crate::geometry::{Copies, FrameCamera, Mesh, Pose, body_from_site, index_u32};
+use crate::geometry::{Copies, FrameCamera, MaterialId, Mesh, Pose, body_from_site, index_u32};
 use crate::landscape::{self, LandscapeMaterial};
 use crate::report::{Fate, Note};
 
@@ -130,9 +130,33 @@ impl TomlReader<'_> {
                 return None;
             }
         };
+        let pose = pose.flatten();
+        let mapped = match (&toml.material_map, &pose) {
+            (None, _) => Some(None),
+            (Some(_), _) if toml.instances.is_some() => {
+                self.problem(&key("material_map"), "does not go with `instances`, which are of the same materials");
+                None
+            }
+            (Some(map), Some(pose)) => {
+                self.material_map(&key("material_map"), map, (&mesh, pose), dictionary).map(Some)
+            }
+            (Some(_), None) => None,
+        }?;
+        // Materials whose every facet the map has another one for need not be known.
+        let mut is_needed = vec![mapped.is_none(); materials.len()];
+        for (material, of_map) in mesh.material.iter().zip(mapped.iter().flatten()) {
+            is_needed[material.0 as usize] |= of_map.is_none();
+        }
         let entries: Vec<_> = match &toml.material {
             Some(name) => vec![self.entry_named(&key("material"), name, dictionary); materials.len()],
-            None => materials.iter().map(|m| self.entry_of(&source, m, dictionary)).collect(),
+            None => {
+                let needed = materials.iter().zip(&is_needed);
+                needed
+                    .map(
+                        |(m, needed)| if *needed { self.entry_of(&source, m, dictionary) } else { Some(MaterialId(0)) },
+                    )
+                    .collect()
+            }
         };
         let Some(entries) = entries.into_iter().collect::<Option<Vec<_>>>() else {
             // Why a name or colour is not what the dictionary has, if the file is to blame.
@@ -148,14 +172,15 @@ impl TomlReader<'_> {
             let told = |note: &Note| format!("{source}, {}: {}", note.at, note.message);
             self.notes.extend(doubts.iter().map(told));
         }
-        for material in &mut mesh.material {
-            *material = entries[material.0 as usize];
+        for (facet, material) in mesh.material.iter_mut().enumerate() {
+            let of_map = mapped.as_ref().and_then(|mapped| mapped[facet]);
+            *material = of_map.unwrap_or(entries[material.0 as usize]);
         }
         let places = match &toml.instances {
             None => None,
             Some(name) => Some(self.instances(&key("instances"), name, &mesh)?),
         };
-        let pose = pose.flatten()?;
+        let pose = pose?;
         let posed = DAffine3 { matrix3: pose.rotation, translation: pose.translation_m };
         let copies = places.map(|places| {
             let places: Vec<DAffine3> = places.into_iter().map(|place| posed * place).collect();

@@ -14,6 +14,7 @@ mod instruments;
 pub(super) mod format;
 mod lamps;
 mod lens;
+mod material_map;
 mod materials;
 mod mesh;
 mod rasters;

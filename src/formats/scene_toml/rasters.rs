@@ -28,7 +28,7 @@ const SAME_WAVELENGTH: f64 = 1e-3;
 /// Names without a unit are wavelengths if they are those of the bands to this, relative.
 const ALIKE: f64 = 0.1;
 /// Textures are held in memory: no more values than this (8 GiB).
-const MOST_VALUES: usize = 1 << 30;
+pub(super) const MOST_VALUES: usize = 1 << 30;
 
 /// The wavelengths, um, that names say without a unit, where in nm or um they are those of the bands, in whatever order.
 fn um_of_numbers(names: &[&str], bands: &[Band]) -> Option<Vec<f64>> {
@@ -403,7 +403,7 @@ impl TomlReader<'_> {
     }
 
     /// Refuses a key that has no meaning for the placement.
-    fn goes_without(&mut self, item: &str, key: &str, is_given: bool) -> Option<()> {
+    pub(super) fn goes_without(&mut self, item: &str, key: &str, is_given: bool) -> Option<()> {
         if is_given {
             self.problem(&member(item, key), "does not go with this placement");
         }

@@ -74,9 +74,33 @@ pub(crate) struct MeshToml {
     pub(crate) flip: Option<bool>,
     /// Entry of the dictionary that all of this mesh is made of, whatever the mesh itself says.
     pub(crate) material: Option<String>,
+    /// An image that says which entry of the dictionary each facet is of.
+    pub(crate) material_map: Option<MaterialMapToml>,
     /// Path of a CSV table of where the mesh stands, instead of once at its own place: `x_m`, `y_m`, `z_m` of its origin, in the coordinates that it else has itself, and
     /// `scale` (or `scale_x`, `scale_y`, `scale_z`) and a unit quaternion `qx`, `qy`, `qz`, `qw`, or the matrix of both, `xx`, `xy`, .. `zz`. A row for each instance.
     pub(crate) instances: Option<String>,
+}
+
+/// Which material each facet is of: that of the texel at the facet's middle.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MaterialMapToml {
+    /// Path of a raster: one band of numbers, or a picture's three of colour.
+    pub(crate) raster: String,
+    /// Names of the raster's channels, if it has more.
+    #[schemars(length(min = 1))]
+    pub(crate) channels: Option<Vec<String>>,
+    /// Which entry of the dictionary each number (`3 = "regolith"`) or colour (`"#aa907c" = "regolith"`) of the raster stands for; of pictures as they are stored, 0 to
+    /// 255 or 65535.
+    pub(crate) materials: BTreeMap<String, String>,
+    /// Where it lies, as a texture does.
+    pub(crate) placement: TexturePlacementToml,
+    /// For `placement = "plane"`: where the raster lies. Default: where its own georeference in metres puts it, to the East and the North of `origin_m`.
+    pub(crate) plane: Option<PlaneToml>,
+    /// For `placement = "atlas"`: how the image continues beyond its border. Default: not at all.
+    pub(crate) wrap: Option<WrapToml>,
+    /// For `placement = "lonlat"`: east longitude of the outer border of the map's first column, deg, mostly 0 or -180.
+    pub(crate) west_deg: Option<f64>,
 }
 
 /// A recipe, or a file with one.
