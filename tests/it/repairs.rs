@@ -1,7 +1,7 @@
 //! Meshes are mended where that is asked for: welded, cut where corners lie on edges, turned outwards, and of fewer facets with a measured error.
 
 use glam::DVec3;
-use mmxrt::geometry::repair::{Turned, Welded, decimate, outward, t_junctions, weld};
+use mmxrt::geometry::repair::{Turned, Welded, decimate, join_equal, outward, t_junctions, weld};
 use mmxrt::geometry::{Defects, MaterialId, Mesh};
 
 use crate::cli::run;
@@ -65,6 +65,32 @@ fn vertices_at_one_place_become_one() {
     assert_eq!(chain(Some(0.999)), (Welded { vertices: 2, facets: 0 }, 4, 2));
     assert_eq!(chain(Some(1.0)), (Welded { vertices: 3, facets: 1 }, 3, 1));
     assert_eq!(chain(Some(1e300)), (Welded { vertices: 5, facets: 2 }, 0, 0));
+}
+
+#[test]
+fn split_vertices_are_joined_and_facets_stay() {
+    let mut mesh = cube(1);
+    // A facet of one place, a vertex that no facet uses, texture coordinates of each corner.
+    mesh.facets.insert(5, [0, 0, 1]);
+    mesh.material.push(MaterialId(7));
+    mesh.vertices_m.push(DVec3::ONE * 9.0);
+    mesh.uv = (0..13).map(|f| [[f64::from(f), 0.0]; 3]).collect();
+    let before = mesh.clone();
+    assert_eq!(join_equal(&mut mesh), 36 - 8);
+    assert_eq!((mesh.vertices_m.len(), mesh.vertices_m[8]), (9, DVec3::ONE * 9.0));
+    // The first facet's corners are the first vertices, as they were.
+    assert_eq!((mesh.facets[0], &mesh.vertices_m[..3]), ([0, 1, 2], &before.vertices_m[..3]));
+    assert!((0..13).all(|f| mesh.facet(f) == before.facet(f)));
+    assert_eq!((&mesh.material, &mesh.uv), (&before.material, &before.uv));
+    assert_eq!(join_equal(&mut mesh), 0);
+    // What is one digit away is another place; nothing of nothing.
+    let near = DVec3::new(1.0f64.next_up(), 0.0, 0.0);
+    let mut apart = soup([[DVec3::X, near, DVec3::new(1.0, -0.0, 0.0)]]);
+    assert_eq!((join_equal(&mut apart), apart.facets[0]), (1, [0, 1, 0]));
+    assert_eq!(join_equal(&mut Mesh::default()), 0);
+    // A distance below the last digit of coordinates: each place is its own, and it takes no longer.
+    let mut far = soup((0..20_000).map(|i| [DVec3::X, DVec3::Y, DVec3::ZERO].map(|v| v + f64::from(i) + 1e9)));
+    assert_eq!(weld(&mut far, Some(1e-300)), Welded::default());
 }
 
 #[test]

@@ -8,7 +8,7 @@ mod weld;
 pub use decimate::{Decimated, decimate};
 pub use outward::{Turned, outward};
 pub use t_junctions::t_junctions;
-pub use weld::{Welded, weld};
+pub use weld::{Welded, join_equal, weld};
 
 use super::{Mesh, index_u32};
 
