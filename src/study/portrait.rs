@@ -35,17 +35,17 @@ const SKY: [f64; 3] = [255.0, 255.0, 255.0];
 /// A picture of so many pixels in a square, rows from the top, red, green, blue, for each of [`SIDES`]: all at one scale, the whole mesh in
 /// view, its middle in the middle. Lambert's law of a light over the viewer's left shoulder; no shadows.
 pub fn portraits(mesh: &Mesh, pixels: usize) -> Vec<Vec<u8>> {
-    let (low, high) = mesh.bounds_m().unwrap_or_default();
+    let mesh = &centred(mesh);
+    let tree = RayTree::new(mesh);
     // The far corners are in view from everywhere.
-    let radius = 0.5 * (high - low).length();
-    let (middle, tree) = (0.5 * low + 0.5 * high, RayTree::new(mesh));
+    let radius = mesh.bounds_m().map_or(0.0, |(low, high)| 0.5 * (high - low).length());
     let one = |side: &Side| {
         let ahead = -side.towards.normalize();
         let right = ahead.cross(side.up).normalize();
         let up = right.cross(ahead);
         let light = (up - right - 1.5 * ahead).normalize();
         let colour = |x: f64, y: f64| {
-            let from = middle + radius * (x * right + y * up - 2.0 * ahead);
+            let from = radius * (x * right + y * up - 2.0 * ahead);
             let Some(hit) = tree.nearest(from, ahead) else { return SKY };
             let normal = mesh.facet(hit.facet as usize).cross_m2().normalize_or_zero();
             let cosine = if hit.front { normal.dot(light) } else { -normal.dot(light) };
@@ -68,6 +68,15 @@ pub fn portraits(mesh: &Mesh, pixels: usize) -> Vec<Vec<u8>> {
         (0..pixels).into_par_iter().flat_map_iter(row).collect()
     };
     SIDES.iter().map(one).collect()
+}
+
+/// About the origin, and within 1 of it along each axis, so that neither where a mesh lies nor how large it is takes digits.
+fn centred(mesh: &Mesh) -> Mesh {
+    let (low, high) = mesh.bounds_m().unwrap_or_default();
+    let middle = 0.5 * low + 0.5 * high;
+    let half = (0.5 * high - 0.5 * low).max_element();
+    let scaled = |v: &DVec3| if half > 0.0 { (*v - middle) / half } else { DVec3::ZERO };
+    Mesh { vertices_m: mesh.vertices_m.iter().map(scaled).collect(), ..mesh.clone() }
 }
 
 #[cfg(test)]
@@ -97,6 +106,12 @@ mod tests {
         let down = portraits(&square([[0, 2, 1], [0, 3, 2]]), 100);
         let [red, green, _] = at(&down[1], 50, 50);
         assert!(red > 150 && green < 100);
+        // The same wherever it lies and however large it is, with exact sums.
+        for (factor, place) in [(1.0, 2.0_f64.powi(40)), (2.0_f64.powi(1000), 0.0), (2.0_f64.powi(-1000), 0.0)] {
+            let mut moved = square([[0, 1, 2], [0, 2, 3]]);
+            moved.vertices_m.iter_mut().for_each(|v| *v = factor * *v + place);
+            assert!(portraits(&moved, 100) == up, "{factor} {place}");
+        }
         // Edge on nothing is seen, and of nothing nothing.
         assert!(portraits(&Mesh::default(), 4).iter().flatten().all(|v| *v == 255));
     }

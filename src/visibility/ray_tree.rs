@@ -26,8 +26,8 @@ pub struct RayTree {
 
 #[derive(Debug, Clone, Copy)]
 struct Node {
-    low: [f32; 3],
-    high: [f32; 3],
+    low: DVec3,
+    high: DVec3,
     /// Of a leaf its first triangle, else the second child; the first one follows it.
     at: u32,
     /// Triangles of a leaf; 0: it has children.
@@ -76,14 +76,7 @@ impl RayTree {
     fn build(&mut self, mesh: &Mesh, items: &mut [Item], depth: usize) {
         let (low, high) = bounds(items);
         let at = self.nodes.len();
-        let node = Node {
-            low: low.to_array().map(below),
-            high: high.to_array().map(above),
-            at: index_u32(self.triangles.len()),
-            count: 0,
-            axis: 0,
-        };
-        self.nodes.push(node);
+        self.nodes.push(Node { low, high, at: index_u32(self.triangles.len()), count: 0, axis: 0 });
         let divided = if items.len() <= LEAF || depth >= DEEPEST { None } else { divide(items) };
         let Some((axis, middle)) = divided else {
             // A list that is longer than 65535 is of facets in one place: it is cut all the same.
@@ -187,9 +180,7 @@ impl RayTree {
 impl Node {
     #[inline]
     fn is_met(&self, from: DVec3, inverse: DVec3, most: f64) -> bool {
-        let low = DVec3::from_array(self.low.map(f64::from));
-        let high = DVec3::from_array(self.high.map(f64::from));
-        let (p, q) = ((low - from) * inverse, (high - from) * inverse);
+        let (p, q) = ((self.low - from) * inverse, (self.high - from) * inverse);
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
         for (p, q) in p.to_array().into_iter().zip(q.to_array()) {
             // A ray in a box's wall has 0 times infinity there: it is inside all the way.
@@ -304,14 +295,53 @@ fn surface(low: DVec3, high: DVec3) -> f64 {
     size.x * size.y + size.y * size.z + size.z * size.x
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "rounded down on purpose")]
-fn below(x: f64) -> f32 {
-    let near = x as f32;
-    if f64::from(near) > x { near.next_down() } else { near }
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-#[expect(clippy::cast_possible_truncation, reason = "rounded up on purpose")]
-fn above(x: f64) -> f32 {
-    let near = x as f32;
-    if f64::from(near) < x { near.next_up() } else { near }
+    /// n x n squares in z = 0 of two facets each, of this size, about a place.
+    fn ground(n: usize, size_m: f64, place: DVec3) -> Mesh {
+        let at = |k: usize| DVec3::new((k % (n + 1)) as f64, (k / (n + 1)) as f64, 0.0) * size_m + place;
+        let corner = |k: usize| index_u32(k / n * (n + 1) + k % n);
+        let side = index_u32(n + 1);
+        let of_square = |k: usize| {
+            let a = corner(k);
+            [[a, a + 1, a + 1 + side], [a, a + 1 + side, a + side]]
+        };
+        Mesh {
+            vertices_m: (0..(n + 1) * (n + 1)).map(at).collect(),
+            facets: (0..n * n).flat_map(of_square).collect(),
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn a_ray_is_tried_on_few_facets_wherever_the_mesh_is() {
+        // Coordinates and sums are exact: squares of 2^-10 m, at the origin, 2^30 m away, and there and here at once.
+        let (n, size_m) = (32, 1.0 / 1024.0);
+        let far = DVec3::new(1.0, -1.0, 1.0) * f64::from(1 << 30);
+        let mut both = ground(n, size_m, DVec3::ZERO);
+        both.append(ground(n, size_m, far));
+        let cases = [
+            (ground(n, size_m, DVec3::ZERO), DVec3::ZERO),
+            (ground(n, size_m, far), far),
+            (both.clone(), DVec3::ZERO),
+            (both, far),
+        ];
+        for (mesh, place) in cases {
+            let tree = RayTree::new(&mesh);
+            for k in 0..n {
+                // Into the lower right half of a square on the diagonal.
+                let from = place + DVec3::new(k as f64 + 0.75, k as f64 + 0.25, 8.0) * size_m;
+                let (mut tried, hit) = (0, tree.nearest(from, -DVec3::Z).unwrap());
+                tree.walk(from, -DVec3::Z, f64::INFINITY, |_, _| {
+                    tried += 1;
+                    None
+                });
+                assert!(tried <= 4 * LEAF, "{tried} at {place}");
+                let first = if place != DVec3::ZERO && mesh.facets.len() > 2 * n * n { 2 * n * n } else { 0 };
+                assert_eq!((hit.facet as usize, hit.t, hit.front), (first + 2 * k * (n + 1), 8.0 * size_m, true));
+            }
+        }
+    }
 }
