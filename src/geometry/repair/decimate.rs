@@ -19,6 +19,10 @@ const BORDER: f64 = 100.0;
 const TURN: f64 = 0.2;
 /// Of a quadric whose determinant is a smaller share of the cube of its trace no place is best.
 const SINGULAR: f64 = 1e-9;
+/// A sum of squares is known to this share of what it is the difference of: some ten products and sums of f64.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Edges of a vertex of more facets than this go last: work on a vertex grows with its facets.
+const CROWDED: usize = 24;
 
 /// What decimation did.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -51,14 +55,20 @@ impl Quadric {
         Quadric { a: self.a + other.a, b: self.b + other.b, c: self.c + other.c }
     }
 
+    /// 0 if it is rounding alone: what lies in the planes is all alike.
     fn at(&self, x: DVec3) -> f64 {
-        (x.dot(self.a * x) + 2.0 * self.b.dot(x) + self.c).max(0.0)
+        let size = self.trace() * x.length_squared() + 2.0 * self.b.length() * x.length() + self.c;
+        let sum = x.dot(self.a * x) + 2.0 * self.b.dot(x) + self.c;
+        if sum <= ROUNDING * size { 0.0 } else { sum }
+    }
+
+    fn trace(&self) -> f64 {
+        self.a.x_axis.x + self.a.y_axis.y + self.a.z_axis.z
     }
 
     /// Where it is least, if that is one place.
     fn least(&self) -> Option<DVec3> {
-        let trace = self.a.x_axis.x + self.a.y_axis.y + self.a.z_axis.z;
-        let is_clear = self.a.determinant().abs() > SINGULAR * trace.powi(3);
+        let is_clear = self.a.determinant().abs() > SINGULAR * self.trace().powi(3);
         is_clear.then(|| self.a.inverse() * -self.b).filter(|x| x.is_finite())
     }
 }
@@ -67,14 +77,16 @@ impl Quadric {
 struct Work {
     at: Vec<DVec3>,
     quadric: Vec<Quadric>,
-    /// Facets of each vertex.
+    /// Facets of each vertex, among them some that are gone.
     of_vertex: Vec<Vec<u32>>,
+    /// How many of them there are.
+    count: Vec<usize>,
     facets: Vec<[u32; 3]>,
     alive: Vec<bool>,
     /// How often a vertex has moved: what was planned before is void.
     moved: Vec<u32>,
-    /// Vertices of edges that could not be taken away: they are tried again when something beside them has moved.
-    refused: Vec<bool>,
+    /// Of each vertex the other ends of edges that could not be taken away: they are tried again when something beside it has moved.
+    refused: Vec<Vec<u32>>,
 }
 
 /// Leaves at most so many facets, if that can be had without turning any over or opening what is closed. Texture coordinates are lost; vertices at one
@@ -91,27 +103,37 @@ pub fn decimate(mesh: &mut Mesh, facets: usize) -> Decimated {
     let mut plans = BinaryHeap::new();
     for facet in 0..work.facets.len() {
         let [a, b, c] = work.facets[facet];
-        [[a, b], [b, c], [c, a]].into_iter().for_each(|[p, q]| work.plan(p.min(q), p.max(q), &mut plans));
+        [[a, b], [b, c], [c, a]].into_iter().for_each(|[p, q]| work.plan(p, q, &mut plans));
     }
     let mut left = work.alive.iter().filter(|alive| **alive).count();
     while left > facets {
-        let Some(Reverse((_, p, q, at_p, at_q))) = plans.pop() else { break };
-        if work.moved[p as usize] != at_p || work.moved[q as usize] != at_q {
+        let Some(Reverse(Plan { is_crowded, edge: [p, q], moved, .. })) = plans.pop() else { break };
+        if moved != [p, q].map(|v| work.moved[v as usize]) {
+            continue;
+        }
+        if !is_crowded && work.is_crowded(p, q) {
+            // It has become so since.
+            work.plan(p, q, &mut plans);
             continue;
         }
         let (_, to) = work.best(p, q);
         if !work.may_join(p, q, to) {
-            [p, q].iter().for_each(|v| work.refused[*v as usize] = true);
+            work.refused[p as usize].push(q);
+            work.refused[q as usize].push(p);
             continue;
         }
         left -= work.join(p, q, to);
         for other in work.around(p) {
-            work.plan(p.min(other), p.max(other), &mut plans);
-            if std::mem::take(&mut work.refused[other as usize]) {
-                for beyond in work.around(other) {
-                    work.plan(other.min(beyond), other.max(beyond), &mut plans);
-                }
+            work.plan(p, other, &mut plans);
+            let mut again = std::mem::take(&mut work.refused[other as usize]);
+            again.sort_unstable();
+            again.dedup();
+            again.retain(|beyond| work.is_edge(other, *beyond));
+            if work.count[other as usize] == CROWDED {
+                // It may have had one more until now.
+                again = work.around(other);
             }
+            again.iter().filter(|beyond| **beyond != p).for_each(|beyond| work.plan(other, *beyond, &mut plans));
         }
     }
     // What stayed where it was keeps its digits.
@@ -128,15 +150,26 @@ pub fn decimate(mesh: &mut Mesh, facets: usize) -> Decimated {
     Decimated { facets: mesh.facets.len(), farthest_m: farthest(&before, mesh).max(farthest(mesh, &before)) }
 }
 
-type Plan = Reverse<(u64, u32, u32, u32, u32)>;
+/// To take an edge away: those first whose numbers here are least, one after the other. Numbers of at least 0 are ordered as their bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Plan {
+    is_crowded: bool,
+    cost: u64,
+    length_squared: u64,
+    /// The lower one first.
+    edge: [u32; 2],
+    /// How often they had moved: if they have again, the plan is void.
+    moved: [u32; 2],
+}
 
 impl Work {
     fn of(mesh: &Mesh, middle: DVec3) -> Self {
         let at: Vec<DVec3> = mesh.vertices_m.iter().map(|v| *v - middle).collect();
         let mut work = Work {
             quadric: vec![Quadric::ZERO; at.len()],
-            refused: vec![false; at.len()],
+            refused: vec![Vec::new(); at.len()],
             of_vertex: vec![Vec::new(); at.len()],
+            count: vec![0; at.len()],
             moved: vec![0; at.len()],
             facets: mesh.facets.clone(),
             alive: mesh.facets.iter().map(|[a, b, c]| a != b && b != c && c != a).collect(),
@@ -150,6 +183,7 @@ impl Work {
             let quadric = Quadric::of_plane(normal, work.at[a as usize], cross.length());
             for v in [a, b, c] {
                 work.of_vertex[v as usize].push(index_u32(facet));
+                work.count[v as usize] += 1;
                 work.quadric[v as usize] = work.quadric[v as usize].plus(quadric);
             }
             edges.extend([[a, b], [b, c], [c, a]].map(|[p, q]| ([p.min(q), p.max(q)], index_u32(facet))));
@@ -193,10 +227,30 @@ impl Work {
         }
     }
 
-    fn plan(&self, p: u32, q: u32, plans: &mut BinaryHeap<Plan>) {
-        // Numbers of at least 0 are ordered as their bits.
-        let cost = self.best(p, q).0.to_bits();
-        plans.push(Reverse((cost, p, q, self.moved[p as usize], self.moved[q as usize])));
+    fn plan(&self, p: u32, q: u32, plans: &mut BinaryHeap<Reverse<Plan>>) {
+        let edge = [p.min(q), p.max(q)];
+        plans.push(Reverse(Plan {
+            is_crowded: self.is_crowded(p, q),
+            cost: self.best(edge[0], edge[1]).0.to_bits(),
+            length_squared: self.at[p as usize].distance_squared(self.at[q as usize]).to_bits(),
+            edge,
+            moved: edge.map(|v| self.moved[v as usize]),
+        }));
+    }
+
+    fn is_crowded(&self, p: u32, q: u32) -> bool {
+        [p, q].iter().any(|v| self.count[*v as usize] > CROWDED)
+    }
+
+    /// The facets that have both vertices.
+    fn shared(&self, p: u32, q: u32) -> Vec<u32> {
+        let (few, many) =
+            if self.of_vertex[p as usize].len() <= self.of_vertex[q as usize].len() { (p, q) } else { (q, p) };
+        self.facets_of(few).filter(|facet| self.facets[*facet as usize].contains(&many)).collect()
+    }
+
+    fn is_edge(&self, p: u32, q: u32) -> bool {
+        !self.shared(p, q).is_empty()
     }
 
     fn facets_of(&self, vertex: u32) -> impl Iterator<Item = u32> {
@@ -214,13 +268,14 @@ impl Work {
 
     /// Whether a vertex has an edge of one facet.
     fn is_at_border(&self, vertex: u32) -> bool {
-        self.around(vertex)
-            .iter()
-            .any(|other| self.facets_of(vertex).filter(|f| self.facets[*f as usize].contains(other)).count() != 2)
+        let mut ends: Vec<u32> =
+            self.facets_of(vertex).flat_map(|facet| self.facets[facet as usize]).filter(|v| *v != vertex).collect();
+        ends.sort_unstable();
+        ends.chunk_by(|a, b| a == b).any(|facets| facets.len() != 2)
     }
 
     fn may_join(&self, p: u32, q: u32, to: DVec3) -> bool {
-        let shared: Vec<u32> = self.facets_of(p).filter(|f| self.facets[*f as usize].contains(&q)).collect();
+        let shared = self.shared(p, q);
         if shared.is_empty() || shared.len() > 2 {
             return false;
         }
@@ -244,6 +299,15 @@ impl Work {
         })
     }
 
+    /// One facet fewer at a vertex: once half of its list is of such, they are taken out.
+    fn forget_one(&mut self, vertex: u32) {
+        let (of_vertex, count) = (&mut self.of_vertex[vertex as usize], &mut self.count[vertex as usize]);
+        *count -= 1;
+        if of_vertex.len() > 2 * *count {
+            of_vertex.retain(|facet| self.alive[*facet as usize]);
+        }
+    }
+
     /// Puts q into p, which goes there; how many facets that takes away.
     fn join(&mut self, p: u32, q: u32, to: DVec3) -> usize {
         let of_q: Vec<u32> = self.facets_of(q).collect();
@@ -251,10 +315,12 @@ impl Work {
         for facet in of_q {
             if self.facets[facet as usize].contains(&p) {
                 self.alive[facet as usize] = false;
+                self.facets[facet as usize].into_iter().for_each(|v| self.forget_one(v));
                 gone += 1;
             } else {
                 self.facets[facet as usize] = self.facets[facet as usize].map(|v| if v == q { p } else { v });
                 self.of_vertex[p as usize].push(facet);
+                self.count[p as usize] += 1;
             }
         }
         self.at[p as usize] = to;
@@ -264,7 +330,10 @@ impl Work {
         }
         let alive = &self.alive;
         self.of_vertex[p as usize].retain(|facet| alive[*facet as usize]);
-        self.of_vertex[q as usize].clear();
+        self.of_vertex[q as usize] = Vec::new();
+        self.count[q as usize] = 0;
+        // All of their edges are planned anew.
+        [p, q].iter().for_each(|v| self.refused[*v as usize] = Vec::new());
         gone
     }
 }
