@@ -67,7 +67,7 @@ pub(crate) struct Arguments {
     /// Cut facets of a mesh at corners of others that lie on their edges
     #[arg(long)]
     t_junctions: bool,
-    /// Make a mesh's facets face outwards, and neighbours the same way
+    /// Make facets of a mesh's bodies face outwards, and those of open ground as most of them do
     #[arg(long)]
     outward: bool,
     /// Leave at most so many facets of a mesh; how far that is off is measured and reported

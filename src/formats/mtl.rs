@@ -149,7 +149,7 @@ fn loss(keyword: &str, rest: &str) -> Option<&'static str> {
 /// # Errors
 /// What the writer says.
 pub fn write(out: &mut impl Write, materials: &[ObjMaterial]) -> io::Result<()> {
-    for material in materials {
+    for material in materials.iter().filter(|material| !material.name.is_empty()) {
         writeln!(out, "newmtl {}", material.name)?;
         if let Some([r, g, b]) = material.kd {
             writeln!(out, "Kd {r} {g} {b}")?;

@@ -608,6 +608,31 @@ fn a_mesh_without_area_makes_no_scene() {
 }
 
 #[test]
+fn what_cannot_be_written_is_said_before_anything_is_read() {
+    let scratch = Scratch::new();
+    // Damaged, all of them: who reads them says so.
+    scratch.write("a.obj", "f 1 2 9\n");
+    scratch.write("a.npy", [&b"\x93NUMPY"[..], &[1, 0, 3, 0], b"{x}"].concat());
+    scratch.write("a.oem", "CCSDS_OEM_VERS = 2.0\nnonsense\n");
+    scratch.write("a.toml", "nonsense");
+    for (input, output, told) in [
+        ("a.obj", "b.ply", "b.ply: ply is read, and not written"),
+        ("a.obj", "b.stl", "b.stl: stl is read, and not written"),
+        ("a.obj", "b.csv", "a mesh: it has no spectra"),
+        ("a.obj", "b.npy", "anything but an image as npy"),
+        ("a.obj", "b.oem", "a mesh as oem: nothing moves in it"),
+        ("a.toml", "b.blend", "is read, and not written"),
+        ("a.toml", "b.oem", "a scene as oem: nothing moves in it"),
+        ("a.npy", "b.obj", "an image as obj: it has neither mesh nor spectra"),
+        ("a.npy", "b.tif", "read only"),
+        ("a.oem", "b.obj", "they make no obj"),
+    ] {
+        let (code, _, err) = run(&["convert", &scratch.argument(input), &scratch.argument(output)]);
+        assert!(code == 1 && err.contains(told), "{input} to {output}: {err}");
+    }
+}
+
+#[test]
 fn a_mesh_does_not_take_the_name_of_its_own_part() {
     let scratch = prepared(SCENE);
     for (name, format) in [("ground.mtl", "obj"), ("ground.bin", "gltf")] {

@@ -1,6 +1,6 @@
 //! Meshes are mended where that is asked for: welded, cut where corners lie on edges, turned outwards, and of fewer facets with a measured error.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use mmxrt::geometry::repair::{Turned, Welded, decimate, join_equal, outward, t_junctions, weld};
 use mmxrt::geometry::{Defects, MaterialId, Mesh};
 
@@ -102,7 +102,7 @@ fn facets_are_turned_outwards() {
         let count = mesh.facets.len();
         (0..count).filter(|f| f % which == 0).for_each(|f| mesh.facets[f].swap(0, 1));
         let turned = outward(&mut mesh);
-        assert_eq!(turned, Turned { facets: count.div_ceil(which), parts: 1, twisted_edges: 0 });
+        assert_eq!(turned, Turned { facets: count.div_ceil(which), parts: 1, ..Turned::default() });
         assert!((volume(&mesh) - 1.0).abs() < 1e-14 && Defects::of(&mesh).turned_edges == 0);
         assert_eq!(outward(&mut mesh).facets, 0);
     }
@@ -111,7 +111,7 @@ fn facets_are_turned_outwards() {
     let mut sheet = quads((0..5).map(|x| [at(x), at(x + 1), at(x + 1) + DVec3::Y, at(x) + DVec3::Y]));
     weld(&mut sheet, None);
     sheet.facets[3].swap(0, 1);
-    assert_eq!(outward(&mut sheet), Turned { facets: 1, parts: 1, twisted_edges: 0 });
+    assert_eq!(outward(&mut sheet), Turned { facets: 1, parts: 1, ..Turned::default() });
     assert!((0..10).all(|f| sheet.facet(f).normal().z > 0.0));
     // A strip of Moebius has one side.
     let rib = |i: usize, s: f64| {
@@ -123,6 +123,86 @@ fn facets_are_turned_outwards() {
     let mut strip = quads((0..12).map(|i| [rib(i, -1.0), rib(i + 1, -1.0), rib(i + 1, 1.0), rib(i, 1.0)]));
     weld(&mut strip, Some(1e-9));
     assert_eq!(outward(&mut strip).twisted_edges, 1);
+}
+
+/// n x n squares of 1 m, facing up, at these heights.
+fn ground(n: usize, height: impl Fn(f64, f64) -> f64) -> Mesh {
+    let at = |i: usize, j: usize| DVec3::new(i as f64, j as f64, height(i as f64, j as f64));
+    let square = |k: usize| (k % n, k / n);
+    let mut mesh = quads((0..n * n).map(square).map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
+    weld(&mut mesh, None);
+    mesh
+}
+
+#[test]
+fn open_ground_keeps_the_side_that_most_of_it_has() {
+    // A bowl, a hill, and a flat: seen from the middle of its area, a bowl is seen from above.
+    let heights: [fn(f64, f64) -> f64; 3] = [
+        |x, y| 0.3 * ((x - 4.0).powi(2) + (y - 4.0).powi(2)),
+        |x, y| -0.3 * ((x - 4.0).powi(2) + (y - 4.0).powi(2)),
+        |_, _| 0.0,
+    ];
+    for height in heights {
+        // Turned over: none, every fifth, all but every fifth.
+        for (is_turned, up) in [([false; 2], true), ([true, false], true), ([false, true], false)] {
+            let mut mesh = ground(8, height);
+            for f in (0..128).filter(|f| is_turned[usize::from(f % 5 > 0)]) {
+                mesh.facets[f].swap(0, 1);
+            }
+            assert_eq!(outward(&mut mesh).parts, 1);
+            assert!((0..128).all(|f| (mesh.facet(f).normal().z > 0.0) == up), "{is_turned:?}");
+        }
+    }
+    // As much of both: up; of what stands upright, to +y, and else to +x.
+    for (axes, up) in [([0, 1, 2], DVec3::Z), ([0, 2, 1], DVec3::Y), ([2, 0, 1], DVec3::X)] {
+        for first in [0, 64] {
+            let mut mesh = ground(8, |_, _| 0.0);
+            for v in &mut mesh.vertices_m {
+                *v = DVec3::from_array(axes.map(|axis| v[axis]));
+            }
+            (first..first + 64).for_each(|f| mesh.facets[f].swap(0, 1));
+            assert_eq!(outward(&mut mesh).facets, 64);
+            assert!((0..128).all(|f| mesh.facet(f).normal() == up), "{up}");
+        }
+    }
+}
+
+#[test]
+fn bodies_with_holes_and_facets_there_twice_are_turned_outwards() {
+    // Inside out, a facet of 192 is missing, and ten are there twice, one of them a third time, in other orders of their corners.
+    let mut mesh = cube(4);
+    weld(&mut mesh, None);
+    mesh.flip();
+    mesh.facets.pop();
+    for f in 0..11 {
+        let [a, b, c] = mesh.facets[f % 10];
+        mesh.facets.push(if f % 2 == 0 { [b, c, a] } else { [c, a, b] });
+    }
+    mesh.material = vec![MaterialId(0); mesh.facets.len()];
+    assert_eq!(outward(&mut mesh), Turned { facets: 202, parts: 1, ..Turned::default() });
+    assert!((0..202).map(|f| mesh.facet(f)).all(|facet| facet.normal().dot(facet.centroid_m()) > 0.0));
+    // A sheet with both its sides stays, whichever comes first.
+    let mut both = ground(2, |_, _| 0.0);
+    let others: Vec<[u32; 3]> = both.facets.iter().map(|[a, b, c]| [*b, *a, *c]).collect();
+    both.facets.splice(0..0, others);
+    both.material = vec![MaterialId(0); 16];
+    assert_eq!(outward(&mut both), Turned { parts: 1, ..Turned::default() });
+    // Shells within shells are bodies each: the volumes add up.
+    let mut shells = cube(2);
+    let mut inner = cube(2);
+    inner.vertices_m.iter_mut().for_each(|v| *v *= 0.5);
+    inner.flip();
+    shells.append(inner);
+    weld(&mut shells, None);
+    assert_eq!(outward(&mut shells).parts, 2);
+    assert!((volume(&shells) - 1.125).abs() < 1e-14);
+    // Three sheets that meet in an edge: nothing tells what they are walls of.
+    let corner = |y: f64, z: f64| DVec3::new(0.5, y, z);
+    let mut fins = soup([(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0)].map(|(y, z)| [DVec3::ZERO, DVec3::X, corner(y, z)]));
+    weld(&mut fins, None);
+    let before = fins.facets.clone();
+    assert_eq!(outward(&mut fins), Turned { parts: 3, at_crowded_edges: 3, ..Turned::default() });
+    assert_eq!((fins.facets, outward(&mut Mesh::default())), (before, Turned::default()));
 }
 
 #[test]
@@ -175,6 +255,29 @@ fn fewer_facets_keep_planes_and_their_borders() {
 }
 
 #[test]
+fn flat_ground_makes_no_fans() {
+    // Level, on a slope whose coordinates are rounded, and a disc about one vertex of 3000 facets: all of them are plane, and fans of thousands of
+    // facets would take as many squared steps.
+    let wheel = |k: u32| DVec2::from_angle(std::f64::consts::TAU * f64::from(k % 3000) / 3000.0).extend(0.0);
+    let mut disc = soup((0..3000).map(|k| [DVec3::ZERO, wheel(k), wheel(k + 1)]));
+    weld(&mut disc, None);
+    for (mut mesh, wanted) in
+        [(ground(64, |_, _| 0.0), 100), (ground(64, |x, y| 0.3 * x + 0.7 * y + 123.4), 100), (disc, 500)]
+    {
+        let whole = area(&mesh);
+        let done = decimate(&mut mesh, wanted);
+        assert!(done.facets <= wanted && done.facets + 2 > wanted, "{done:?}");
+        assert!((area(&mesh) / whole - 1.0).abs() < 3e-4 && done.farthest_m < 3e-4, "{done:?} {}", area(&mesh) / whole);
+        assert!((0..mesh.facets.len()).all(|f| mesh.facet(f).area_m2() > 0.0));
+        let mut of_vertex = vec![0; mesh.vertices_m.len()];
+        mesh.facets.iter().flatten().for_each(|v| of_vertex[*v as usize] += 1);
+        // Two vertices of at most 24 facets, without the two between them.
+        let most = if wanted == 500 { wanted } else { 24 + 24 - 4 };
+        assert!(of_vertex.iter().all(|count| *count <= most), "{of_vertex:?}");
+    }
+}
+
+#[test]
 fn a_sphere_of_fewer_facets_is_as_far_off_as_is_said() {
     // A cube's squares on the unit sphere: 3072 facets.
     let mut mesh = cube(16);
@@ -224,4 +327,67 @@ fn convert_mends_and_tells() {
     scratch.write("a.csv", "1,2\n");
     let (code, _, err) = run(&["convert", &scratch.argument("a.csv"), &scratch.argument("a.npy"), "--outward"]);
     assert!(code == 1 && err.contains("--outward"), "{err}");
+}
+
+#[test]
+fn a_weld_that_leaves_nothing_is_refused() {
+    let scratch = Scratch::new();
+    scratch.write("in.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    scratch.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 1 0 -0\nf 1 2 3\n");
+    let output = scratch.argument("out.obj");
+    for (input, option, told) in [
+        ("in.obj", "--weld=1e5", "leaves nothing"),
+        ("in.obj", "--weld=1e308", "a distance smaller than facets"),
+        ("flat.obj", "--outward", "no facet has three corners"),
+    ] {
+        let (code, _, err) = run(&["convert", &scratch.argument(input), &output, option]);
+        assert!(code == 1 && err.contains(told) && err.contains(input), "{option}: {err}");
+    }
+    assert!(!scratch.join("out.obj").exists());
+}
+
+#[test]
+fn decimation_tells_what_it_could_not_take() {
+    let scratch = Scratch::new();
+    scratch.write("in.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    let (input, output) = (scratch.argument("in.obj"), scratch.argument("out.obj"));
+    let (code, out, _) = run(&["convert", &input, &output, "--decimate", "1"]);
+    assert!(code == 0 && out.contains("4 facets remain where 1 were asked for") && !out.contains("became"), "{out}");
+    let (code, ..) = run(&["convert", &input, &output, "--decimate", "1", "--force", "--strict"]);
+    assert_eq!(code, 3);
+    // As many as there are: nothing is lost, and nothing told.
+    for facets in ["4", "1000"] {
+        let (code, out, _) = run(&["convert", &input, &output, "--decimate", facets, "--force", "--strict"]);
+        assert!(code == 0 && !out.contains("facets became") && !out.contains("remain"), "{out}");
+    }
+}
+
+#[test]
+fn what_is_cut_at_junctions_is_written_as_triangles() {
+    let scratch = Scratch::new();
+    let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 2 1 0\nv 3 0 0\nv 3 1 0\nv 3 2 0\n";
+    // A square beside two of half its height, as triangles and as quads; its corner at (2, 1) lies on the square's edge.
+    for (faces, whole) in
+        [("f 1 2 3\nf 1 3 4\nf 2 6 7\nf 2 7 5\nf 5 7 8\nf 5 8 3\n", 0), ("f 1 2 3 4\nf 2 6 7 5\nf 5 7 8 3\n", 2)]
+    {
+        scratch.write("in.obj", format!("{corners}{faces}"));
+        let output = scratch.argument("out.obj");
+        let (code, out, err) =
+            run(&["convert", &scratch.argument("in.obj"), &output, "--t-junctions", "--strict", "--force"]);
+        assert!(code == 0 && out.contains("at 1 corners") && !out.contains("Dropped"), "{out}{err}");
+        let text = std::fs::read_to_string(&output).unwrap();
+        let faces: Vec<usize> =
+            text.lines().filter(|l| l.starts_with("f ")).map(|l| l.split(' ').count() - 1).collect();
+        assert_eq!(faces.iter().filter(|corners| **corners == 4).count(), whole, "{text}");
+        assert_eq!(faces.iter().filter(|corners| **corners == 3).count(), 7 - 2 * whole, "{text}");
+        let (_, out, _) = run(&["--json", "inspect", &output]);
+        let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+        assert_eq!(
+            (&json["facets"], &json["defects"]["facets_without_area"]),
+            (&serde_json::json!(7), &serde_json::json!(0)),
+            "{out}"
+        );
+        // Without a material there are no words of one.
+        assert!(!text.contains("usemtl") && !text.contains("mtllib") && !scratch.join("out.mtl").exists(), "{text}");
+    }
 }

@@ -154,6 +154,9 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
     };
     let (from, _) = format_of(input, options)?;
     without_effect(options, from, to)?;
+    if let Some(error) = impossible(input, from, output, to) {
+        return Err(error);
+    }
     if *from == BLEND && *to == SCENE_FORMAT {
         return of_blender(input, output, options, watch);
     }
@@ -282,6 +285,57 @@ fn without_effect(options: &Options, from: &Format, to: &Format) -> Result<()> {
     if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
 }
 
+/// Why a format cannot become another, whatever the input holds: found out before it is read.
+fn impossible(input: &Path, from: &Format, output: &Path, to: &Format) -> Option<Error> {
+    let refused = |at: &Path, message: String, help: &str| {
+        Some(Error::Invalid(vec![Problem::new(Location::file(at), message).with_help(help)]))
+    };
+    let not_held = |feature: String| Some(unsupported(input, &feature));
+    let name = to.name;
+    match (&from.holds, &to.holds) {
+        (Holds::Image { .. }, Holds::Image { target: Err(instead), .. }) => {
+            refused(output, "is a format that is read only".into(), instead)
+        }
+        // A name alone does not say what a table should hold.
+        (Holds::Image { .. }, Holds::Image { .. }) => None,
+        (Holds::Image { .. }, _) if *to == CSV => None,
+        (Holds::Image { .. }, _) => not_held(format!("an image as {name}: it has neither mesh nor spectra")),
+        (Holds::Flight { .. }, Holds::Flight { write: None, .. }) => {
+            Some(Error::invalid(Location::file(output), format!("{name} is read, but not written")))
+        }
+        (Holds::Flight { .. }, Holds::Flight { .. }) => None,
+        (Holds::Flight { .. }, _) => {
+            let help =
+                format!("end the output's name in {}, or say which with --to", registry::dotted(Format::is_flight));
+            refused(input, format!("holds trajectories or orientations: they make no {name}"), &help)
+        }
+        (holds, Holds::Flight { .. }) => {
+            let kind = match holds {
+                Holds::Mesh { .. } => "a mesh",
+                Holds::Spectra { .. } => "spectra",
+                _ => "a scene",
+            };
+            not_held(format!("{kind} as {name}: nothing moves in it"))
+        }
+        (_, Holds::Image { .. }) => not_held(format!("anything but an image as {name}")),
+        (Holds::Spectra { .. }, Holds::Spectra { .. }) => None,
+        (Holds::Spectra { .. }, _) => refused(
+            input,
+            format!("holds spectra alone: they make no scene, and so no {name}"),
+            "end the output's name in .db, .txt, .sli or .csv, or say which with --to",
+        ),
+        (Holds::Mesh { .. }, Holds::Spectra { .. }) => refused(
+            input,
+            format!("holds a mesh: it has no spectra for {name}"),
+            "convert it to a scene, and give its materials spectra there",
+        ),
+        _ if to.writes.is_empty() => {
+            refused(output, format!("{name} is read, and not written"), "take a name that ends in .obj or .glb")
+        }
+        _ => None,
+    }
+}
+
 /// An error about a scene as it was read, whose items are those of the input.
 fn of_input(error: Error, input: &Path) -> Error {
     let placed = |mut at: Location| {
@@ -365,7 +419,7 @@ fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<Content
                 report.notes.append(notes);
             }
             let mut surface = file.surface.placed(&placing, (file.up, file.unit_m));
-            options.repairs.mend(&mut surface.mesh, &path, &mut report);
+            options.repairs.mend(&mut surface.mesh, &path, &mut report)?;
             (Content::Mesh(surface), report)
         }
         Holds::Simulation => {
@@ -516,27 +570,12 @@ impl Job<'_> {
         self.report.notes.retain(|note| note.fate != Fate::Defaulted);
     }
 
-    /// Writes; `false` if a loss forbids it.
+    /// Writes what is not [`impossible`]; `false` if a loss forbids it.
     fn write(mut self, content: Content, to: &Format) -> Result<bool> {
         match (content, &to.holds) {
             (Content::Raster(mut raster), _) => self.raster(&mut raster, to),
-            (Content::Flight(file), Holds::Flight { .. }) => self.flight(&file, to),
-            (Content::Flight(_), _) => {
-                let message = format!("holds trajectories or orientations: they make no {}", to.name);
-                let help =
-                    format!("end the output's name in {}, or say which with --to", registry::dotted(Format::is_flight));
-                Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
-            }
-            (content, Holds::Flight { .. }) => {
-                Err(unsupported(self.input, &format!("{} as {}: nothing moves in it", content.kind(), to.name)))
-            }
-            (_, Holds::Image { .. }) => Err(unsupported(self.input, &format!("anything but an image as {}", to.name))),
-            (Content::Spectra(libraries), Holds::Spectra { .. }) => self.spectra(&libraries, to),
-            (Content::Spectra(_), _) => {
-                let message = format!("holds spectra alone: they make no scene, and so no {}", to.name);
-                let help = "end the output's name in .db, .txt, .sli or .csv, or say which with --to";
-                Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
-            }
+            (Content::Flight(file), _) => self.flight(&file, to),
+            (Content::Spectra(libraries), _) => self.spectra(&libraries, to),
             (Content::Moving(moving), Holds::Simulation) => {
                 let (scene, motion, timing) = &*moving;
                 self.dart(scene, Some((motion, timing)))
@@ -576,11 +615,6 @@ impl Job<'_> {
                 let is_radial = self.options.pose == Some(NamedPose::Radial);
                 let scene = if is_radial { coloured_mesh::in_body_axes(scene)? } else { scene };
                 self.dart(&scene, None)
-            }
-            (Content::Mesh(_), Holds::Spectra { .. }) => {
-                let message = format!("holds a mesh: it has no spectra for {}", to.name);
-                let help = "convert it to a scene, and give its materials spectra there";
-                Err(Error::Invalid(vec![Problem::new(Location::file(self.input), message).with_help(help)]))
             }
             (Content::Mesh(surface), _) => self.surface(&surface, to),
         }
@@ -682,10 +716,6 @@ impl Job<'_> {
     fn surface(self, surface: &ColouredMesh, to: &Format) -> Result<bool> {
         let Job { input, output, options, sources, .. } = self;
         let sources = || sources.iter().map(PathBuf::as_path);
-        if to.writes.is_empty() {
-            let problem = Problem::new(Location::file(output), format!("{} is read, and not written", to.name));
-            return Err(Error::Invalid(vec![problem.with_help("take a name that ends in .obj or .glb")]));
-        }
         if surface.sun.is_some() {
             self.report.note(Fate::Dropped, Location::file(input).with_item("sun"), "where the light is");
         }
@@ -703,12 +733,17 @@ impl Job<'_> {
             }
             let materials = companion(output, "mtl")?;
             let name = file_name(&materials);
+            // Without a name there is nothing to look up.
+            let has_names = surface.materials.iter().any(|material| !material.name.is_empty());
+            let named = has_names.then_some(&*name);
             let write_mtl = |out: &mut BufWriter<File>| mtl::write(out, &surface.materials);
-            let write_obj = |out: &mut BufWriter<File>| obj::write(out, &surface.mesh, &surface.materials, Some(&name));
+            let write_obj = |out: &mut BufWriter<File>| obj::write(out, &surface.mesh, &surface.materials, named);
             let mut staged = Staged::file(output, options.replace)?;
             staged.put(staged.path(), write_obj)?;
-            let beside = staged.beside(&materials)?;
-            staged.put(&beside, write_mtl)?;
+            if has_names {
+                let beside = staged.beside(&materials)?;
+                staged.put(&beside, write_mtl)?;
+            }
             staged.spares(sources())?;
             staged.commit()?;
             return Ok(true);
@@ -754,17 +789,10 @@ impl Job<'_> {
     fn raster(self, raster: &mut Raster, to: &Format) -> Result<bool> {
         // A name alone does not say what a table should hold.
         let to = if *to == CSV { &GRID } else { to };
-        let target = match to.holds {
-            Holds::Image { target: Ok(target), .. } => target(self.output),
-            Holds::Image { target: Err(instead), .. } => {
-                let problem = Problem::new(Location::file(self.output), "is a format that is read only");
-                return Err(Error::Invalid(vec![problem.with_help(instead)]));
-            }
-            _ => {
-                let feature = format!("an image as {}: it has neither mesh nor spectra", to.name);
-                return Err(unsupported(self.input, &feature));
-            }
+        let Holds::Image { target: Ok(target), .. } = to.holds else {
+            return Err(unsupported(self.input, &format!("an image as {}", to.name)));
         };
+        let target = target(self.output);
         if *to == ENVI && ending(self.output) == "hdr" {
             let message = "is a header's name: name the file of numbers, e.g. .img";
             return Err(Error::invalid(Location::file(self.output), message));

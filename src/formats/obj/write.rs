@@ -66,8 +66,12 @@ pub(crate) fn write_by<'a>(
     let mut first = 0;
     while let (Some(facet), Some(material)) = (mesh.facets.get(first), mesh.material.get(first)) {
         if current != Some(material) {
+            let name = name(material.0 as usize);
+            // What comes before all names has none.
+            if current.is_some() || !name.is_empty() {
+                writeln!(text, "{statement} {name}")?;
+            }
             current = Some(material);
-            writeln!(text, "{statement} {}", name(material.0 as usize))?;
         }
         let facets = facets_of_face(mesh, first);
         first = facets.end;

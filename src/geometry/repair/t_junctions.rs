@@ -1,5 +1,7 @@
 //! A corner that lies on the edge of a facet it is no corner of makes a gap there: the facet is cut at it.
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 
 use crate::geometry::{Mesh, index_u32};
@@ -8,19 +10,30 @@ use crate::geometry::{Mesh, index_u32};
 const ON_EDGE: f64 = 1e-6;
 
 /// Cuts facets at the corners that lie on their open edges; how many corners that were. Corners are those of open edges.
+///
+/// Each piece is a face of its own, as are the other facets of the face that is cut: that face would have corners in a line, which programs cut
+/// into triangles without an area.
 pub fn t_junctions(mesh: &mut Mesh) -> usize {
     let mut mended = 0;
+    let mut cut = BTreeSet::new();
     // A facet may have corners on several edges: each round mends one edge of a facet.
     loop {
-        let done = round(mesh);
+        let done = round(mesh, &mut cut);
         mended += done;
         if done == 0 {
-            return mended;
+            break;
         }
     }
+    let mut free = mesh.face_of_facet.iter().max().map_or(0, |face| face + 1);
+    for face in mesh.face_of_facet.iter_mut().filter(|face| cut.contains(face)) {
+        *face = free;
+        free += 1;
+    }
+    mended
 }
 
-fn round(mesh: &mut Mesh) -> usize {
+/// One edge of each facet; of those that are cut, the faces go to `cut`.
+fn round(mesh: &mut Mesh, cut: &mut BTreeSet<u32>) -> usize {
     let mut edges: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(3 * mesh.facets.len());
     for (facet, corners) in mesh.facets.iter().enumerate() {
         for k in 0..3_u8 {
@@ -87,6 +100,7 @@ fn round(mesh: &mut Mesh) -> usize {
         if mesh.face_of_facet.is_empty() {
             mesh.face_of_facet = (0..index_u32(mesh.facets.len())).collect();
         }
+        cut.insert(mesh.face_of_facet[facet]);
         for (i, pair) in chain.windows(2).enumerate() {
             let corners = [pair[0].0, pair[1].0, c];
             let uv = match (pair[0].1, pair[1].1, of_uv) {
