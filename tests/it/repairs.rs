@@ -196,13 +196,18 @@ fn bodies_with_holes_and_facets_there_twice_are_turned_outwards() {
     weld(&mut shells, None);
     assert_eq!(outward(&mut shells).parts, 2);
     assert!((volume(&shells) - 1.125).abs() < 1e-14);
-    // Three sheets that meet in an edge: nothing tells what they are walls of.
+    // Three sheets that meet in an edge are sheets each.
     let corner = |y: f64, z: f64| DVec3::new(0.5, y, z);
     let mut fins = soup([(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0)].map(|(y, z)| [DVec3::ZERO, DVec3::X, corner(y, z)]));
     weld(&mut fins, None);
     let before = fins.facets.clone();
-    assert_eq!(outward(&mut fins), Turned { parts: 3, at_crowded_edges: 3, ..Turned::default() });
+    assert_eq!(outward(&mut fins), Turned { parts: 3, ..Turned::default() });
     assert_eq!((fins.facets, outward(&mut Mesh::default())), (before, Turned::default()));
+    // Two tetrahedra with one wall between them: two sheets of three facets and one of one, and nothing tells what they are walls of.
+    let [a, b, c, up, down] = [DVec3::X, DVec3::Y, DVec3::ZERO, DVec3::Z, -DVec3::Z];
+    let mut pair = soup([[a, b, up], [b, c, up], [c, a, up], [b, a, down], [c, b, down], [a, c, down], [a, b, c]]);
+    weld(&mut pair, None);
+    assert_eq!(outward(&mut pair), Turned { parts: 3, at_crowded_edges: 7, ..Turned::default() });
 }
 
 #[test]

@@ -65,8 +65,8 @@ impl Repairs {
             }
             if turned.at_crowded_edges > 0 {
                 let message = format!(
-                    "{} facets, of sheets that end at edges of three or more facets, keep the side that most of their sheet has: which is outside there \
-                     is not known",
+                    "{} facets keep the side that most of their sheet has: it ends nowhere but at edges of three or more facets, where it is not known which side is \
+                     outside",
                     turned.at_crowded_edges
                 );
                 told(Fate::Approximated, message);

@@ -22,7 +22,7 @@ pub struct Turned {
     pub parts: usize,
     /// Edges whose two facets cannot face the same way, as on a strip of Moebius.
     pub twisted_edges: usize,
-    /// Facets of sheets that end at edges of three or more facets, which may be walls of something: they are taken as any sheet.
+    /// Facets of sheets all of whose borders are edges of three or more facets: walls of something, but taken as any sheet.
     pub at_crowded_edges: usize,
 }
 
@@ -52,13 +52,15 @@ pub fn outward(mesh: &mut Mesh) -> Turned {
     edges.sort_unstable();
     // Of each group its neighbours, and whether they face the same way as it stands.
     let mut beside: Vec<Vec<(u32, bool)>> = vec![Vec::new(); groups.len()];
-    let mut is_at_crowd = vec![false; groups.len()];
+    // What has an open edge is no wall of something closed.
+    let (mut is_at_crowd, mut is_open) = (vec![false; groups.len()], vec![false; groups.len()]);
     for edge in edges.chunk_by(|a, b| a.0 == b.0) {
         if let [(_, f, way_f), (_, g, way_g)] = edge {
             beside[*f as usize].push((*g, way_f != way_g));
             beside[*g as usize].push((*f, way_f != way_g));
-        } else if edge.len() > 2 {
-            edge.iter().for_each(|(_, f, _)| is_at_crowd[*f as usize] = true);
+        } else {
+            let mark = if edge.len() == 1 { &mut is_open } else { &mut is_at_crowd };
+            edge.iter().for_each(|(_, f, _)| mark[*f as usize] = true);
         }
     }
     let mut found = Turned::default();
@@ -89,8 +91,8 @@ pub fn outward(mesh: &mut Mesh) -> Turned {
         let way = match enclosed(mesh, &groups, &part, sign) {
             Some(volume) => volume,
             None => {
-                let at_crowd = part.iter().filter(|group| is_at_crowd[**group]).count();
-                found.at_crowded_edges += if at_crowd > 0 { part.len() } else { 0 };
+                let has = |which: &[bool]| part.iter().any(|group| which[*group]);
+                found.at_crowded_edges += if has(&is_at_crowd) && !has(&is_open) { part.len() } else { 0 };
                 kept_side(mesh, &groups, &part, sign)
             }
         };

@@ -24,11 +24,9 @@ pub fn t_junctions(mesh: &mut Mesh) -> usize {
             break;
         }
     }
-    let mut free = mesh.face_of_facet.iter().max().map_or(0, |face| face + 1);
-    for face in mesh.face_of_facet.iter_mut().filter(|face| cut.contains(face)) {
-        *face = free;
-        free += 1;
-    }
+    let free = mesh.face_of_facet.iter().max().map_or(0, |face| face + 1);
+    let freed = mesh.face_of_facet.iter_mut().filter(|face| cut.contains(face));
+    freed.zip(free..).for_each(|(face, own)| *face = own);
     mended
 }
 
