@@ -86,7 +86,7 @@ impl Repairs {
             if done.facets > wanted {
                 let message = format!(
                     "{} facets remain where {wanted} were asked for: with another edge gone, a facet would turn over, or the surface would open, \
-                     close or touch itself",
+                     close or touch itself; edges of three or more facets stay",
                     done.facets
                 );
                 told(Fate::Approximated, message);
