@@ -188,6 +188,7 @@ impl OpenedRecipe {
 /// The first band of a raster, or the mean of three colours.
 fn source(path: &Path) -> Result<(Source, Vec<InputFile>)> {
     let mut raster = registry::image(path)?;
+    raster.is_upright()?;
     let bands = match raster.colour_bands() {
         colours if colours.len() == 3 => colours,
         _ => vec![0],
@@ -205,6 +206,7 @@ fn source(path: &Path) -> Result<(Source, Vec<InputFile>)> {
         _ => None,
     });
     let pixel_m = raster.spacing_m();
-    let source = Source { columns: raster.columns, rows: raster.rows, values, pixel_m, full_scale };
+    let pixel_deg = raster.pixel_deg();
+    let source = Source { columns: raster.columns, rows: raster.rows, values, pixel_m, pixel_deg, full_scale };
     Ok((source, raster.inputs()?))
 }

@@ -153,7 +153,11 @@ pub fn image(path: &Path) -> Result<Raster> {
         }
     };
     match format.holds {
-        Holds::Image { open, .. } => open(path),
+        Holds::Image { open, .. } => {
+            let mut raster = open(path)?;
+            raster.take_mask_beside()?;
+            Ok(raster)
+        }
         _ => Err(no_image(path, &beginning)),
     }
 }

@@ -259,8 +259,14 @@ mod tests {
     #[test]
     fn maps_lie_north_up_and_tell_bad_shares() {
         let recipe = Recipe::plane(1);
-        let mut source =
-            Source { columns: 2, rows: 2, values: vec![0.0, 255.0, 51.0, 0.0], pixel_m: None, full_scale: Some(255.0) };
+        let mut source = Source {
+            columns: 2,
+            rows: 2,
+            values: vec![0.0, 255.0, 51.0, 0.0],
+            pixel_m: None,
+            pixel_deg: None,
+            full_scale: Some(255.0),
+        };
         let area = parsed("map = \"m\"");
         let sources = Sources { rasters: [("m".into(), source.clone())].into(), ..Sources::default() };
         let map = Area::new(&area, 0, &recipe, &[], &sources).unwrap();

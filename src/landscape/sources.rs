@@ -15,6 +15,8 @@ pub struct Source {
     pub values: Vec<f64>,
     /// Width and height of a pixel on the ground, m, if the file says it.
     pub pixel_m: Option<[f64; 2]>,
+    /// The same, deg, if the file says that.
+    pub pixel_deg: Option<[f64; 2]>,
     /// The largest value that the file's type holds, if that is a whole number of at most 16 bit; images are shares of it.
     pub full_scale: Option<f64>,
 }

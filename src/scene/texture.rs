@@ -94,8 +94,13 @@ impl Texture {
     }
 
     /// Where its first value is that no texel may have.
-    pub(crate) fn odd_texel(&self) -> Option<usize> {
-        self.values.iter().position(|v| !(*v >= 0.0 && v.is_finite()))
+    fn odd_texel(&self) -> Option<usize> {
+        self.values.iter().position(|value| Self::is_odd(*value))
+    }
+
+    /// Whether a value is one that no texel may have.
+    pub(crate) fn is_odd(value: f64) -> bool {
+        !(value >= 0.0 && value.is_finite())
     }
 
     /// Says if a band is far from all of its layers.
@@ -133,7 +138,9 @@ impl Texture {
         }
         if let Some(i) = self.odd_texel() {
             let texel = i / self.layers();
-            let (row, column) = (texel / self.columns, texel % self.columns);
+            // Of a map of longitudes a column more is held on each side.
+            let column = |held: usize| self.lon_lat.as_ref().map_or(held, |map| (held + map.columns - 1) % map.columns);
+            let (row, column) = (texel / self.columns, column(texel % self.columns));
             return problem(format!(
                 "texel (row {row}, column {column}) is {}: expected a number of at least 0",
                 number(self.values[i])

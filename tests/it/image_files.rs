@@ -296,7 +296,7 @@ fn the_rasters_georeference_is_used_or_compared() {
     assert_near(&image, &[1.0, 2.0, 3.0, 4.0]);
     assert!(said.contains("corner (5000, 5000)") && said.contains("corner (-4, 4)"), "{said}");
     for (info, message) in [
-        ("Geographic Lat/Lon, 1, 1, 10, 20, 0.1, 0.1, WGS-84", "in degrees"),
+        ("Geographic Lat/Lon, 1, 1, 10, 20, 0.1, 0.1, WGS-84", "pixels of 0.1 x 0.1 deg"),
         ("Arbitrary, 1, 1, -4, 4, 4, 4, units=Meters, rotation=30", "turned by 30 deg"),
         ("Arbitrary, 1, 1, -4", "no six numbers"),
     ] {

@@ -99,6 +99,8 @@ mod quantities;
 mod products;
 mod raster;
 mod raster_convert;
+mod raster_masks;
+mod raster_places;
 mod referees;
 mod renderers;
 mod repairs;

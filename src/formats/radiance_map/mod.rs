@@ -435,7 +435,7 @@ fn placement(
             Some((Placement::Atlas(atlas), tiling))
         }
         PlacementToml::LonLat => {
-            let (map, tiling) = reader.lon_lat("west_deg", toml.west_deg, [rows, columns], MOST_TEXELS)?;
+            let (map, tiling) = reader.lon_lat("west_deg", toml.west_deg, rasters, MOST_TEXELS)?;
             Some((Placement::LonLat(map), Some(tiling)))
         }
         PlacementToml::Camera => {

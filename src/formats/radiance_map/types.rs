@@ -45,6 +45,7 @@ pub(super) struct MapToml {
     /// For `placement = "atlas"`: how the image continues beyond its border. Default: not at all.
     pub(super) wrap: Option<WrapToml>,
     /// For `placement = "lonlat"`: east longitude of the outer border of the map's first column, deg, mostly 0 or -180.
+    /// Default: what the raster says, if it lies in degrees.
     pub(super) west_deg: Option<f64>,
     /// For a camera or a plane: whether surface hidden from it is unknown (the default); if not, the image is
     /// projected through everything.

@@ -10,7 +10,7 @@ use crate::formats::input::{self, Problems};
 use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
-use super::place::{Georeference, in_degrees};
+use super::place::{Georeference, Grid, Unit};
 use super::{BandReader, Raster, RasterBand, check_size};
 
 /// A grid.
@@ -28,6 +28,8 @@ pub(in crate::formats) static ESRI: Format = Format {
     },
 };
 
+/// What stands for no data where a grid does not say what does.
+const NO_DATA: f64 = -9999.0;
 /// Longer files are refused, bytes.
 const LIMIT: u64 = 8 << 30;
 /// A projection's text is shorter, bytes.
@@ -107,12 +109,20 @@ fn open(path: &Path) -> Result<Raster> {
     let mut report = Report::default();
     let size = |key: &str| said("cellsize").or_else(|| said(key)).filter(|size| *size > 0.0 && size.is_finite());
     let georeference = match (size("dx"), size("dy")) {
-        (Some(width), Some(height)) => Some(place(path, said, [width, height], rows, &mut report)),
+        (Some(width), Some(height)) => Some(place(path, said, [width, height], [rows, columns], &mut report)),
         _ => None,
+    };
+    let taken = match said("nodata_value") {
+        None => values.iter().filter(|value| **value == NO_DATA).count(),
+        Some(_) => 0,
     };
     let raster =
         Raster::of(path, (rows, columns), vec![RasterBand::default()], DataType::F64, BandReader::Held(values));
-    Ok(Raster { ignore: said("nodata_value"), georeference, report, ..raster })
+    if taken > 0 {
+        let message = format!("not given: {NO_DATA}, as the format has it, which {taken} pixels have");
+        report.note(Fate::Defaulted, Location::file(path).with_item("NODATA_value"), message);
+    }
+    Ok(Raster { ignore: said("nodata_value").or(Some(NO_DATA)), georeference, report, ..raster })
 }
 
 /// Where the grid lies: in metres, unless the `.prj` beside it has another unit, or angles.
@@ -120,17 +130,16 @@ fn place(
     path: &Path,
     said: impl Fn(&str) -> Option<f64>,
     [width, height]: [f64; 2],
-    rows: usize,
+    [rows, columns]: [usize; 2],
     report: &mut Report,
 ) -> Georeference {
     let projection = input::beginning(&path.with_extension("prj"), PROJECTION).unwrap_or_default();
     let projection = String::from_utf8_lossy(&projection).trim_start().to_uppercase();
-    if projection.starts_with("GEOGCS") || projection.starts_with("GEOGCRS") {
-        return in_degrees([width, height]);
-    }
     // Of a projection the last unit is that of its metres.
     let unit = projection.rsplit_once("UNIT[").and_then(|(_, unit)| unit.split([',', ']']).nth(1)?.trim().parse().ok());
     let scale = unit.filter(|m: &f64| *m > 0.0 && m.is_finite()).unwrap_or(1.0);
+    let is_geographic = projection.starts_with("GEOGCS") || projection.starts_with("GEOGCRS");
+    let unit = if is_geographic { Unit::Degrees } else { Unit::Metres(scale) };
     if projection.is_empty() {
         report.note(Fate::Defaulted, Location::file(path).with_item("cellsize"), "its unit is not stated: taken as m");
     }
@@ -138,9 +147,6 @@ fn place(
         said(&format!("{axis}llcorner")).or_else(|| said(&format!("{axis}llcenter")).map(|centre| centre - half))
     };
     let corner = [corner("x", 0.5 * width), corner("y", 0.5 * height)].map(|c| c.unwrap_or(0.0));
-    Georeference::Plane {
-        corner_m: [scale * corner[0], scale * (corner[1] + rows as f64 * height)],
-        along_line_m: scale * width,
-        line_to_line_m: scale * height,
-    }
+    let grid = Grid::north_up([corner[0], corner[1] + rows as f64 * height], [width, height]);
+    grid.upright(unit, [rows, columns], (Location::file(path), report)).0
 }

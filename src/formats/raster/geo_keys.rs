@@ -5,10 +5,10 @@
 
 use std::path::Path;
 
-use crate::error::{Location, number};
+use crate::error::Location;
 use crate::report::{Fate, Report};
 
-use super::place::{Georeference, in_degrees};
+use super::place::{Georeference, Grid, Unit, turned};
 
 /// What a file has for it.
 #[derive(Debug, Default)]
@@ -26,6 +26,8 @@ pub(super) struct Tags {
 const MODEL_TYPE: u64 = 1024;
 /// 2 if a place is that of a pixel's centre.
 const RASTER_TYPE: u64 = 1025;
+/// 9102: degrees.
+const ANGLE_UNIT: u64 = 2054;
 const LENGTH_UNIT: u64 = 3076;
 /// Of a unit that has no code, m.
 const LENGTH_UNIT_SIZE: u64 = 3077;
@@ -59,9 +61,19 @@ impl Tags {
         }
     }
 
-    /// Where it lies; none if it does not say.
-    pub(super) fn place(&self, path: &Path, report: &mut Report) -> Option<Georeference> {
+    /// Where it lies, and whether lines and pixels are read in the other order for that; none if it does not say.
+    pub(super) fn place(
+        &self,
+        path: &Path,
+        size: [usize; 2],
+        report: &mut Report,
+    ) -> Option<(Georeference, [bool; 2])> {
         let at = || Location::file(path).with_item("ModelPixelScale");
+        if self.matrix.len() < 8 && self.scale.get(1).is_some_and(|height| *height < 0.0) {
+            let how = "ModelPixelScale has a negative height: by the standard the first line is the southernmost, but GDAL and others take it for the \
+                       northernmost, as `gdal_translate IN.tif OUT.tif` writes it";
+            return Some(turned(how.into(), at(), report));
+        }
         // Pixel (column, row) is at (x0 + a column + b row, y0 + c column + d row).
         let [x0, a, b, y0, c, d] = match (&self.matrix[..], &self.scale[..], &self.tie[..]) {
             (m, ..) if m.len() >= 8 => [m[3], m[0], m[1], m[7], m[4], m[5]],
@@ -71,36 +83,28 @@ impl Tags {
             (_, [width, height, ..], _) => [0.0, *width, 0.0, 0.0, 0.0, -height],
             _ => return None,
         };
-        if ![x0, a, b, y0, c, d].iter().all(|n| n.is_finite()) {
-            return Some(Georeference::Other("places that are no numbers".into()));
-        }
-        if b != 0.0 || c != 0.0 || !(a > 0.0 && d < 0.0) {
-            let message =
-                format!("lines that are turned or mirrored: {} {} {} {}", number(a), number(b), number(c), number(d));
-            return Some(Georeference::Other(message));
-        }
-        match self.key(MODEL_TYPE) {
-            Some(1) => {}
-            Some(2) => {
-                let message = format!("pixels are of {} x {} deg, not of metres", number(a), number(-d));
-                report.note(Fate::Dropped, at(), message);
-                return Some(in_degrees([a, -d]));
-            }
-            _ => report.note(Fate::Defaulted, at(), "its unit is not stated: taken as m"),
-        }
-        let scale = match self.unit_m() {
-            Ok(scale) => scale,
-            Err(unit) => {
-                report.note(Fate::Dropped, at(), format!("in {unit}, not in metres"));
-                return Some(Georeference::Other(format!("pixels in {unit}, not in metres")));
+        let other = |why: String, report: &mut Report| {
+            report.note(Fate::Dropped, at(), why.as_str());
+            Some((Georeference::Other(why), [false; 2]))
+        };
+        let unit = match self.key(MODEL_TYPE) {
+            Some(2) => match self.key(ANGLE_UNIT) {
+                None | Some(9102) => Unit::Degrees,
+                Some(code) => return other(format!("pixels in the unit EPSG {code}, not in metres"), report),
+            },
+            model => {
+                if model != Some(1) {
+                    report.note(Fate::Defaulted, at(), "its unit is not stated: taken as m");
+                }
+                match self.unit_m() {
+                    Ok(scale) => Unit::Metres(scale),
+                    Err(unit) => return other(format!("pixels in {unit}, not in metres"), report),
+                }
             }
         };
         let half = if self.key(RASTER_TYPE) == Some(2) { 0.5 } else { 0.0 };
-        Some(Georeference::Plane {
-            corner_m: [scale * (x0 - half * a), scale * (y0 - half * d)],
-            along_line_m: scale * a,
-            line_to_line_m: scale * -d,
-        })
+        let corner = [x0 - half * (a + b), y0 - half * (c + d)];
+        Some(Grid { corner, along: [a, c], across: [b, d] }.upright(unit, size, (at(), report)))
     }
 }
 
@@ -119,7 +123,9 @@ mod tests {
                 ..Tags::default()
             };
             let mut report = Report::default();
-            (tags.place(Path::new("a.tif"), &mut report).unwrap(), report.notes.len())
+            let (place, mirrored) = tags.place(Path::new("a.tif"), [3, 4], &mut report).unwrap();
+            assert_eq!(mirrored, [false; 2]);
+            (place, report.notes.len())
         };
         let plane =
             |x, y, along_line_m, line_to_line_m| Georeference::Plane { corner_m: [x, y], along_line_m, line_to_line_m };
@@ -129,9 +135,59 @@ mod tests {
         let own = [1024, 0, 1, 1, 3076, 0, 1, 32767, 3077, 34736, 1, 1];
         assert_eq!(place(&own, &[7.0, 2.0]), (plane(980.0, 1880.0, 20.0, 40.0), 0));
         assert_eq!(place(&[], &[]), (plane(490.0, 940.0, 10.0, 20.0), 1));
-        for keys in [&[1024, 0, 1, 2][..], &[1024, 0, 1, 1, 3076, 0, 1, 9999]] {
+        let degrees = Georeference::Degrees { corner_deg: [490.0, 940.0], pixel_deg: [10.0, 20.0] };
+        assert_eq!(place(&[1024, 0, 1, 2], &[]), (degrees.clone(), 0));
+        assert_eq!(place(&[1024, 0, 1, 2, 2054, 0, 1, 9102], &[]), (degrees, 0));
+        // A unit of length and one of angles that are not known.
+        for keys in [&[1024, 0, 1, 2, 2054, 0, 1, 9105][..], &[1024, 0, 1, 1, 3076, 0, 1, 9999]] {
             let (other, notes) = place(keys, &[]);
             assert!(matches!(other, Georeference::Other(_)) && notes == 1, "{other:?}");
+        }
+    }
+
+    #[test]
+    fn lines_are_put_in_order_unless_they_are_turned() {
+        // Three lines of four pixels of 10 m x 20 m over 0 to 40 m and 0 to 60 m, stored in each of the orders.
+        let place = |matrix: &[f64], scale: &[f64], is_point: bool| {
+            let tags = Tags {
+                matrix: matrix.to_vec(),
+                scale: scale.to_vec(),
+                tie: vec![0.0, 0.0, 0.0, 40.0, 60.0, 0.0],
+                keys: [vec![1, 1, 0, 1, 1024, 0, 1, 1], if is_point { vec![1025, 0, 1, 2] } else { vec![] }].concat(),
+                ..Tags::default()
+            };
+            let mut report = Report::default();
+            let (place, mirrored) = tags.place(Path::new("a.tif"), [3, 4], &mut report).unwrap();
+            assert_eq!(report.notes.is_empty(), mirrored == [false; 2] && !matches!(place, Georeference::Turned(_)));
+            (place, mirrored)
+        };
+        let of = |a: f64, b: f64, x: f64, c: f64, d: f64, y: f64| [a, b, 0.0, x, c, d, 0.0, y];
+        let plane = Georeference::Plane { corner_m: [0.0, 60.0], along_line_m: 10.0, line_to_line_m: 20.0 };
+        for (matrix, mirrored) in [
+            (of(10.0, 0.0, 0.0, 0.0, -20.0, 60.0), [false, false]),
+            (of(10.0, 0.0, 0.0, 0.0, 20.0, 0.0), [true, false]),
+            (of(-10.0, 0.0, 40.0, 0.0, -20.0, 60.0), [false, true]),
+            (of(-10.0, 0.0, 40.0, 0.0, 20.0, 0.0), [true, true]),
+            // What is left of a turn and its undoing.
+            (of(10.0, 1e-15, 0.0, -1e-15, 20.0, 0.0), [true, false]),
+        ] {
+            assert_eq!(place(&matrix, &[], false), (plane.clone(), mirrored), "{matrix:?}");
+        }
+        // Of pixel centres: the first is that of the South-West.
+        let matrix = of(10.0, 0.0, 5.0, 0.0, 20.0, 10.0);
+        assert_eq!(place(&matrix, &[], true), (plane.clone(), [true, false]));
+        assert_eq!(place(&[], &[-10.0, 20.0, 0.0], false), (plane, [false, true]));
+        // By 90 deg, by a hundredth of a pixel over the image, and what programs do not agree about.
+        for matrix in [of(0.0, 10.0, 0.0, 20.0, 0.0, 0.0), of(10.0, 0.034, 0.0, 0.0, -20.0, 60.0)] {
+            assert!(matches!(place(&matrix, &[], false), (Georeference::Turned(_), [false, false])), "{matrix:?}");
+        }
+        assert!(matches!(place(&[], &[10.0, -20.0, 0.0], false).0, Georeference::Turned(_)));
+        for matrix in [
+            of(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+            of(10.0, 0.0, f64::NAN, 0.0, -20.0, 0.0),
+            of(1.0, 0.0, 0.0, 0.0, f64::INFINITY, 0.0),
+        ] {
+            assert!(matches!(place(&matrix, &[], false).0, Georeference::Other(_)), "{matrix:?}");
         }
     }
 }

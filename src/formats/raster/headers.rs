@@ -123,6 +123,7 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         fwhm_um: fwhms_um.get(i).copied().filter(|um| *um > 0.0),
     };
     let data_type = if scale.is_empty() { header.data_type } else { DataType::F64 };
+    let (georeference, mirrored) = Georeference::of_envi(&header, (at("map info"), &mut report)).unzip();
     let extra = header.fields.iter().filter(|(key, _)| !envi::KEYS.contains(&key.as_str())).cloned().collect();
     let bands = (0..header.bands).map(band).collect();
     Ok(Raster {
@@ -131,7 +132,8 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         report,
         scale,
         extra,
-        georeference: Georeference::of_envi(&header),
+        georeference,
+        mirrored: mirrored.unwrap_or_default(),
         files: vec![header_path, data.clone()],
         ..Raster::of(&data, (header.lines, header.samples), bands, data_type, BandReader::Flat(flat))
     })

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number as number_text};
 use crate::formats::envi::Scale;
 use crate::formats::flat::{AxisOrder, Flat};
 use crate::formats::format::{Format, Holds};
@@ -14,7 +14,7 @@ use crate::report::{Fate, Report};
 
 use super::blocks::Blocks;
 use super::pds3::file_of;
-use super::place::{Georeference, in_degrees};
+use super::place::{Georeference, Grid, Unit, turned};
 use super::pvl::{self, Block};
 use super::special::Special;
 use super::{BandReader, Raster, RasterBand, check_end, check_length, check_size};
@@ -98,7 +98,7 @@ fn open(path: &Path) -> Result<Raster> {
     let (gain, offset) = (pixels.number("MULTIPLIER")?.unwrap_or(1.0), pixels.number("BASE")?.unwrap_or(0.0));
     let is_scaled = gain != 1.0 || offset != 0.0;
     let mut report = Report::default();
-    let georeference = label.within("MAPPING").and_then(|map| place(map, &mut report));
+    let georeference = label.within("MAPPING").and_then(|map| place(map, [rows, columns], &mut report));
     let names = label.within("BANDBIN").and_then(|bin| bin.get("NAME").or_else(|| bin.get("FILTERNAME")));
     let name = |i: usize| names.and_then(|names| names.values.get(i)).map(|word| word.text.clone()).unwrap_or_default();
     let all = (0..bands).map(|i| RasterBand { name: name(i), ..RasterBand::default() }).collect();
@@ -149,8 +149,11 @@ fn special(data_type: DataType) -> Special {
 }
 
 /// Where a cube that is a map lies.
-fn place(map: &Block, report: &mut Report) -> Option<Georeference> {
+fn place(map: &Block, size_px: [usize; 2], report: &mut Report) -> Option<Georeference> {
     let number = |key: &str| map.number(key).ok().flatten().filter(|n| n.is_finite());
+    if let Some(by) = number("ROTATION").filter(|deg| deg % 360.0 != 0.0) {
+        return Some(turned(format!("the map is turned by {} deg", number_text(by)), map.at("ROTATION"), report).0);
+    }
     let Some(size) = number("PIXELRESOLUTION").filter(|size| *size > 0.0) else {
         report.note(Fate::Dropped, map.at("PIXELRESOLUTION"), "the map gives no size of pixels in metres");
         return None;
@@ -160,14 +163,12 @@ fn place(map: &Block, report: &mut Report) -> Option<Georeference> {
         "meters" | "meter" | "m" => 1.0,
         "kilometers" | "kilometer" | "km" => 1e3,
         unit => {
-            report.note(Fate::Dropped, map.at("PIXELRESOLUTION"), format!("in {unit}, not in metres"));
-            return Some(in_degrees([size; 2]));
+            let message = format!("in {unit}, not in metres");
+            report.note(Fate::Dropped, map.at("PIXELRESOLUTION"), message.as_str());
+            return Some(Georeference::Other(format!("pixels of {}, {message}", number_text(size))));
         }
     };
     let corner = |key: &str| number(key).unwrap_or(0.0);
-    Some(Georeference::Plane {
-        corner_m: [scale * corner("UPPERLEFTCORNERX"), scale * corner("UPPERLEFTCORNERY")],
-        along_line_m: scale * size,
-        line_to_line_m: scale * size,
-    })
+    let grid = Grid::north_up([corner("UPPERLEFTCORNERX"), corner("UPPERLEFTCORNERY")], [size; 2]);
+    Some(grid.upright(Unit::Metres(scale), size_px, (map.at("PIXELRESOLUTION"), report)).0)
 }

@@ -13,6 +13,7 @@ pub(super) mod headers;
 pub(super) mod isis;
 pub(super) mod jpeg;
 mod layers;
+mod mask;
 mod names;
 pub(super) mod npy;
 pub(super) mod pds3;
@@ -50,6 +51,7 @@ use super::quicklook;
 use self::blocks::Blocks;
 use self::exr::Numbers;
 use self::layers::{Chosen, Layer};
+use self::mask::Alpha;
 use self::special::Special;
 use self::tiff::Chunks;
 use super::flat::{AxisOrder, Flat};
@@ -90,10 +92,13 @@ pub struct Raster {
     in_file: Vec<usize>,
     /// What belongs together, where names say it.
     layers: Vec<Layer>,
-    /// The band of the file that is the coverage by which values have been multiplied.
-    alpha: Option<usize>,
+    /// The band of the file that is coverage.
+    alpha: Option<Alpha>,
     /// That coverage, once it is read.
     coverage: Option<Vec<f64>>,
+    /// An image of one band that is 0 where there is no data, and which pixels those are once it is read.
+    mask: Option<Box<Raster>>,
+    hidden: Vec<bool>,
     /// What else means "nothing here".
     no_data: Option<f64>,
     /// What else does, of planetary files: as it is stored.
@@ -134,10 +139,9 @@ enum BandReader {
     Exr(exr::Channels),
     Blocks(Blocks),
     Tiff(Chunks),
-    /// So many colours, and perhaps coverage behind them.
+    /// Of so many samples: colours, and perhaps coverage behind them.
     Png {
-        colours: usize,
-        has_alpha: bool,
+        samples: usize,
     },
     Held(Vec<f64>),
 }
@@ -188,6 +192,8 @@ impl Raster {
             layers: Vec::new(),
             alpha: None,
             coverage: None,
+            mask: None,
+            hidden: Vec::new(),
             no_data: None,
             unit: None,
             ignore: None,
@@ -231,8 +237,10 @@ impl Raster {
             let message = format!("{}: coverage, by which the others are divided", all[alpha]);
             self.report.note(Fate::Defaulted, Location::file(&self.path), message);
         }
-        self.alpha = alpha.map(|alpha| self.in_file[alpha]);
-        self.coverage = None;
+        if let Some(alpha) = alpha {
+            self.alpha = Some(Alpha { band: self.in_file[alpha], whole: 1.0, is_multiplied: true });
+            self.coverage = None;
+        }
         self.in_file = bands.iter().map(|band| self.in_file[*band]).collect();
         self.bands = bands.iter().map(|band| self.bands[*band].clone()).collect();
         self.layers.clear();
@@ -249,6 +257,30 @@ impl Raster {
     /// Where it lies in a plane, as it says itself.
     pub(crate) fn georeference(&self) -> Option<&Georeference> {
         self.georeference.as_ref()
+    }
+
+    /// Width and height of a pixel, deg, where the file says angles.
+    pub(crate) fn pixel_deg(&self) -> Option<[f64; 2]> {
+        match self.georeference {
+            Some(Georeference::Degrees { pixel_deg, .. }) => Some(pixel_deg),
+            _ => None,
+        }
+    }
+
+    /// Refuses lines that do not run from the West to the East, or may not follow one another to the South.
+    pub(crate) fn is_upright(&self) -> Result<()> {
+        match &self.georeference {
+            Some(Georeference::Turned(how)) => {
+                let help = "`gdalwarp IN.tif OUT.tif` turns it; `-a_ullr` of gdal_translate states another place";
+                Err(Error::Invalid(vec![Problem::new(Location::file(&self.path), how.as_str()).with_help(help)]))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// What a raster of degrees covers: longitudes and latitudes, from and to, deg.
+    pub(crate) fn covered_deg(&self, [west, north]: [f64; 2], [width, height]: [f64; 2]) -> [[f64; 2]; 2] {
+        [[west, west + self.columns as f64 * width], [north - self.rows as f64 * height, north]]
     }
 
     /// The unit that it states, unless that leaves open what it is: spectral OpenEXR says W.m^-2.sr^-1 of radiance per wavelength.
@@ -279,17 +311,12 @@ impl Raster {
     /// What [`read`](Self::read) says.
     pub fn coverage(&mut self) -> Result<Option<&[f64]>> {
         if self.coverage.is_none() {
-            let mut alpha = Vec::new();
-            match (&self.reader, self.alpha) {
-                (BandReader::Png { colours, has_alpha: true }, _) => {
-                    resize(&mut alpha, self.pixels(), &self.path)?;
-                    picture::read(&self.path, *colours..*colours + 1, &mut alpha)?;
-                }
-                (_, Some(band)) => self.numbers(band, &mut alpha)?,
-                _ => return Ok(None),
-            }
-            alpha.iter_mut().for_each(|share| *share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) });
-            self.coverage = Some(alpha);
+            let Some(alpha) = self.alpha else { return Ok(None) };
+            let mut shares = Vec::new();
+            self.numbers(alpha.band, &mut shares)?;
+            let share = |number: f64| if number.is_nan() { 0.0 } else { (number / alpha.whole).clamp(0.0, 1.0) };
+            shares.iter_mut().for_each(|number| *number = share(*number));
+            self.coverage = Some(shares);
         }
         Ok(self.coverage.as_deref())
     }
@@ -315,19 +342,24 @@ impl Raster {
             values.iter_mut().filter(|v| ignored.contains(&Some(**v))).for_each(|v| *v = f64::NAN);
         }
         self.special.remove(values);
+        if let Some(alpha) = self.alpha
+            && let Some(coverage) = self.coverage()?
+        {
+            values.iter_mut().zip(coverage).for_each(|(value, share)| *value = alpha.value(*value, *share));
+        }
+        self.hide(values)?;
         if let Some(scale) = self.scale.get(band).copied() {
             values.iter_mut().for_each(|v| *v = scale.value(*v));
             if let Some(no_data) = self.no_data {
                 values.iter_mut().filter(|v| **v == no_data).for_each(|v| *v = f64::NAN);
             }
         }
-        if self.alpha.is_some()
-            && let Some(coverage) = self.coverage()?
-        {
-            // 0 / 0 means no data, and so is what shines without covering anything.
-            let divided = |value: f64, share: f64| if share > 0.0 { value / share } else { f64::NAN };
-            values.iter_mut().zip(coverage).for_each(|(value, share)| *value = divided(*value, *share));
-        }
+        Ok(())
+    }
+
+    /// Reads the numbers of a band of the file, the first line on top and its first pixel on the left.
+    fn numbers(&mut self, band: usize, values: &mut Vec<f64>) -> Result<()> {
+        self.as_they_lie(band, values)?;
         if self.mirrored[1] {
             values.chunks_exact_mut(self.columns).for_each(<[f64]>::reverse);
         }
@@ -339,8 +371,8 @@ impl Raster {
         Ok(())
     }
 
-    /// Reads the numbers of a band of the file.
-    fn numbers(&mut self, band: usize, values: &mut Vec<f64>) -> Result<()> {
+    /// The same in the order of the file.
+    fn as_they_lie(&mut self, band: usize, values: &mut Vec<f64>) -> Result<()> {
         let pixels = self.pixels();
         let together = match &self.reader {
             BandReader::Flat(flat) | BandReader::Unpacked(flat, _) if !flat.is_banded() => PASS_BYTES / (8 * pixels),
@@ -362,7 +394,7 @@ impl Raster {
             let all = match &self.reader {
                 BandReader::Flat(flat) | BandReader::Unpacked(flat, _) => flat.bands,
                 BandReader::Exr(channels) => channels.count(),
-                BandReader::Png { colours, .. } => *colours,
+                BandReader::Png { samples } => *samples,
                 BandReader::Tiff(chunks) => chunks.together(),
                 BandReader::Held(_) | BandReader::Blocks(_) => self.in_file.len(),
             };

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Location, Problem, Result};
+use crate::error::{Error, Location, Problem, Result, number};
 use crate::formats::envi::Scale;
 use crate::formats::flat::{AxisOrder, Flat};
 use crate::formats::format::{Format, Holds, ending};
@@ -13,6 +13,7 @@ use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
 use super::blocks::Blocks;
+use super::place::turned;
 use super::pvl::{self, Block};
 use super::special::Special;
 use super::{BandReader, Raster, RasterBand, check_end, check_length, check_size};
@@ -141,7 +142,9 @@ fn open(path: &Path) -> Result<Raster> {
     let is_left = image.text("SAMPLE_DISPLAY_DIRECTION").as_deref() == Some("LEFT");
     let unit =
         image.word("UNIT").map(|word| word.text.clone()).filter(|unit| !["N/A", "NONE"].contains(&unit.as_str()));
-    let spacing_m = label.within("IMAGE_MAP_PROJECTION").and_then(|map| spacing_m(map, &mut report));
+    let map = label.within("IMAGE_MAP_PROJECTION");
+    let georeference = how_turned(image, map).map(|(how, at)| turned(how, at, &mut report).0);
+    let spacing_m = map.filter(|_| georeference.is_none()).and_then(|map| spacing_m(map, &mut report));
     let mut files = vec![label_path.clone()];
     files.extend((data != label_path).then(|| data.clone()));
     Ok(Raster {
@@ -151,6 +154,7 @@ fn open(path: &Path) -> Result<Raster> {
         scale,
         report,
         spacing_m,
+        georeference,
         mirrored: [is_up, is_left],
         files,
         ..Raster::of(
@@ -239,6 +243,17 @@ fn not_read(image: &Block, text: &str, bits: usize) -> Error {
         "samples of {text} with {bits} bits (`gdal_translate -of ENVI IN.lbl OUT.img` makes a file that is read)"
     );
     Error::Unsupported { at: image.at("SAMPLE_TYPE"), feature }
+}
+
+/// How lines run if not from the left to the right and from the West to the East, and where the label says it.
+fn how_turned(image: &Block, map: Option<&Block>) -> Option<(String, Location)> {
+    let key = "LINE_DISPLAY_DIRECTION";
+    if let Some(direction) = image.text(key).filter(|direction| ["LEFT", "RIGHT"].contains(&direction.as_str())) {
+        return Some((format!("lines follow one another to the {}", direction.to_lowercase()), image.at(key)));
+    }
+    let (map, key) = (map?, "MAP_PROJECTION_ROTATION");
+    let by = map.number(key).ok().flatten().filter(|deg| deg % 360.0 != 0.0)?;
+    Some((format!("the map is turned by {} deg", number(by)), map.at(key)))
 }
 
 /// The size of a pixel that a map projection states, m.

@@ -15,7 +15,7 @@ use crate::formats::xml::{self, Element};
 use crate::report::{Fate, Report};
 
 use super::pds3::file_of;
-use super::place::{Georeference, in_degrees};
+use super::place::{Georeference, Grid, Unit, turned};
 use super::special::{Special, stored};
 use super::{BandReader, Raster, RasterBand, check_length, check_size};
 
@@ -124,7 +124,7 @@ fn open(path: &Path) -> Result<Raster> {
         ignore: special.numbers.first().copied(),
         special,
         scale: if is_scaled { vec![Scale { gain, offset, divisor: 1.0 }; bands] } else { vec![] },
-        georeference: place(&root, &mut report),
+        georeference: place(&root, [rows, columns], &mut report),
         mirrored: [
             direction("vertical_display_direction").starts_with("bottom"),
             direction("horizontal_display_direction").starts_with("right"),
@@ -211,9 +211,19 @@ fn special(array: &Element, data_type: DataType, report: &mut Report) -> Special
 }
 
 /// Where a map lies.
-fn place(root: &Element, report: &mut Report) -> Option<Georeference> {
+fn place(root: &Element, size_px: [usize; 2], report: &mut Report) -> Option<Georeference> {
+    let text = |of: &Element| of.text.trim().to_lowercase();
+    if let Some(axis) = within(root, &|name| name == "vertical_display_axis").filter(|axis| text(axis) == "sample") {
+        return Some(turned("lines follow one another to the side".into(), axis.at(), report).0);
+    }
     let cartography = within(root, &|name| name == "Cartography")?;
     let find = |name: &str| within(cartography, &|n| n == name);
+    let number = |of: &Element| of.text.trim().parse::<f64>().ok().filter(|n| n.is_finite());
+    if let Some(rotation) =
+        find("map_projection_rotation").filter(|of| number(of).is_some_and(|deg| deg % 360.0 != 0.0))
+    {
+        return Some(turned(format!("the map is turned by {} deg", rotation.text.trim()), rotation.at(), report).0);
+    }
     let size = |axis: &str| {
         let of = find(&format!("pixel_resolution_{axis}"))?;
         let size = of.text.trim().parse().ok().filter(|size: &f64| *size > 0.0 && size.is_finite())?;
@@ -227,12 +237,15 @@ fn place(root: &Element, report: &mut Report) -> Option<Georeference> {
         "m" => 1.0,
         "km" => 1e3,
         unit => {
-            report.note(
-                Fate::Dropped,
-                cartography.at(),
-                format!("pixels are of {width} x {height} {unit}, not of metres"),
-            );
-            return Some(in_degrees([width, height]));
+            let why = format!("pixels of {width} x {height} {unit}, not of metres");
+            let corner = ["west", "north"].map(|side| number(find(&format!("{side}_bounding_coordinate"))?));
+            let is_west = find("longitude_direction").is_some_and(|of| text(of).contains("west"));
+            let ([Some(west), Some(north)], "deg", false) = (corner, unit, is_west) else {
+                report.note(Fate::Dropped, cartography.at(), why.as_str());
+                return Some(Georeference::Other(why));
+            };
+            let grid = Grid::north_up([west, north], [width, height]);
+            return Some(grid.upright(Unit::Degrees, size_px, (cartography.at(), report)).0);
         }
     };
     let corner = |axis: &str| {
@@ -242,9 +255,7 @@ fn place(root: &Element, report: &mut Report) -> Option<Georeference> {
             .filter(|at: &f64| at.is_finite())
             .map_or(0.0, |at: f64| scale * at)
     };
-    Some(Georeference::Plane {
-        corner_m: [corner("x"), corner("y")],
-        along_line_m: scale * width,
-        line_to_line_m: scale * height,
-    })
+    // Corners are in metres by now.
+    let grid = Grid::north_up([corner("x"), corner("y")], [scale * width, scale * height]);
+    Some(grid.upright(Unit::Metres(1.0), size_px, (cartography.at(), report)).0)
 }

@@ -13,6 +13,7 @@ use crate::formats::marks;
 use crate::formats::number::DataType;
 use crate::report::Fate;
 
+use super::mask::Alpha;
 use super::{BandReader, Raster, RasterBand, check_size, resize};
 use crate::formats::input;
 
@@ -43,8 +44,9 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
     check_size(Location::file(path), rows, columns, names.len())?;
     let bands = names.iter().map(|name| RasterBand { name: (*name).to_owned(), ..RasterBand::default() }).collect();
     let has_alpha = matches!(colour, ColorType::GrayscaleAlpha | ColorType::Rgba);
-    let colours = names.len();
-    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, BandReader::Png { colours, has_alpha });
+    let reader_of = BandReader::Png { samples: colour.samples() };
+    let mut raster = Raster::of(path, (rows, columns), bands, DataType::F64, reader_of);
+    raster.alpha = has_alpha.then_some(Alpha { band: names.len(), whole: 1.0, is_multiplied: false });
     // Fewer bits are spread over eight by then.
     raster.full_scale = Some(if reader.output_color_type().1 == BitDepth::Sixteen { 65535.0 } else { 255.0 });
     let message = "values: shares of the largest number, as stored";
@@ -83,13 +85,10 @@ pub(super) fn read(path: &Path, bands: Range<usize>, values: &mut [f64]) -> Resu
     reader.next_frame(&mut bytes).map_err(|e| failed(path, e))?;
     let mut pixel = Vec::new();
     resize(&mut pixel, samples, path)?;
-    let has_alpha = matches!(colour, ColorType::GrayscaleAlpha | ColorType::Rgba);
     for (i, stored) in bytes.chunks_exact(samples * width.bytes()).enumerate() {
         width.decode(true, stored, &mut pixel);
-        let transparent = has_alpha && pixel[samples - 1] == 0.0;
         for (band, values) in bands.clone().zip(values.chunks_exact_mut(pixels)) {
-            let is_alpha = has_alpha && band == samples - 1;
-            values[i] = if transparent && !is_alpha { f64::NAN } else { pixel[band] / largest };
+            values[i] = pixel[band] / largest;
         }
     }
     Ok(())

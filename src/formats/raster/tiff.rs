@@ -17,6 +17,7 @@ use crate::formats::xml;
 use crate::report::{Fate, Report};
 
 use super::geo_keys;
+use super::mask::{Alpha, HELP};
 use super::tiff_packing::{Packing, Predictor};
 use super::{BandReader, Raster, RasterBand, check_size, resize};
 
@@ -39,6 +40,8 @@ pub(in crate::formats) static TIFF: Format = Format {
 const MARKS: [&[u8]; 4] = [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"];
 /// No directory has more entries.
 const MOST_ENTRIES: u64 = 4096;
+/// No file has more directories that are looked at.
+const MOST_DIRECTORIES: usize = 4096;
 /// An image without most of its tiles may be as large as this in a small file, bytes.
 const SPARSE: u64 = 64 << 20;
 /// Numbers that a packed byte can stand for: a code of LZW has 12 bits at the most and gives fewer bytes than there are codes.
@@ -192,6 +195,8 @@ pub(super) struct Chunks {
     /// Samples of a pixel, or 1 where each has chunks of its own.
     together: usize,
     data_type: DataType,
+    /// Whether a number is a bit; lines begin with a byte. Else it is of the type above.
+    are_bits: bool,
     big_endian: bool,
     packing: Packing,
     predictor: Predictor,
@@ -215,6 +220,11 @@ impl Chunks {
     /// Whether numbers are of single precision.
     pub(super) fn are_f32(&self) -> bool {
         self.data_type == DataType::F32
+    }
+
+    /// Bytes of so many numbers of a line.
+    fn bytes_of(&self, numbers: usize) -> Option<usize> {
+        if self.are_bits { Some(numbers.div_ceil(8)) } else { numbers.checked_mul(self.data_type.bytes()) }
     }
 
     /// Chunks below one another, and side by side.
@@ -275,26 +285,28 @@ impl Chunks {
         packed.resize(size, 0);
         file.seek(SeekFrom::Start(at)).map_err(reading)?;
         file.read_exact(&mut packed).map_err(reading)?;
-        let wanted = height * line * self.data_type.bytes();
+        let of_line = self.bytes_of(line).unwrap_or(usize::MAX);
+        let wanted = height.saturating_mul(of_line);
         let mut bytes = self.packing.unpacked(packed, wanted).map_err(|what| {
             Error::syntax(Location::file(path), format!("not a complete TIFF: strip or tile {}: {what}", chunk + 1))
         })?;
+        if self.are_bits {
+            for (numbers, bytes) in numbers.chunks_exact_mut(line).zip(bytes.chunks_exact(of_line)) {
+                let bit = |i: usize| f64::from(bytes[i / 8] >> (7 - i % 8) & 1);
+                numbers.iter_mut().enumerate().for_each(|(i, number)| *number = bit(i));
+            }
+            return Ok(());
+        }
         let big_endian = self.predictor.undo(&mut bytes, line, self.together, self.data_type, self.big_endian);
         self.data_type.decode(big_endian, &bytes, numbers);
         Ok(())
     }
 }
 
-/// Opens the first image of a file.
-fn open(path: &Path) -> Result<Raster> {
-    let mut tags = Tags::open(path)?;
+/// Where the numbers of the image of this directory are, and how many a pixel has. `unsupported` tells of what is not read.
+fn layout(tags: &mut Tags<'_>, unsupported: &dyn Fn(String) -> Error) -> Result<(Chunks, usize)> {
+    let path = tags.path;
     let at = || Location::file(path);
-    let unsupported = |what: String| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let feature = format!("{what} (`gdal_translate -of ENVI {name} {stem}_envi.img` makes a file that is read)");
-        Error::Unsupported { at: at(), feature }
-    };
     let size = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let (columns, rows) = (size(tags.one(256, 0)?), size(tags.one(257, 0)?));
     let samples = size(tags.one(277, 1)?);
@@ -307,6 +319,7 @@ fn open(path: &Path) -> Result<Raster> {
     }
     let (bits, format) = (bits.first().copied().unwrap_or(1), formats.first().copied().unwrap_or(1));
     let data_type = match (format, bits) {
+        (1, 1) => DataType::U8,
         (1 | 4, 8) => DataType::U8,
         (1 | 4, 16) => DataType::U16,
         (1 | 4, 32) => DataType::U32,
@@ -324,11 +337,14 @@ fn open(path: &Path) -> Result<Raster> {
     let compression = tags.one(259, 1)?;
     let packing = Packing::of(compression).map_err(|what| unsupported(format!("a TIFF packed by {what}")))?;
     let predictor = tags.one(317, 1)?;
+    let are_bits = bits == 1;
+    if are_bits && (predictor != 1 || tags.one(266, 1)? != 1) {
+        return Err(unsupported("a TIFF of bits in another order".into()));
+    }
     let predictor = Predictor::of(predictor, data_type).ok_or_else(|| {
         unsupported(format!("a TIFF with the predictor {predictor} for numbers of type {}", data_type.name()))
     })?;
-    let colours = tags.one(262, 1)?;
-    if colours == 6 {
+    if tags.one(262, 1)? == 6 {
         return Err(unsupported("a TIFF in the colours YCbCr".into()));
     }
     let is_planar = tags.one(284, 1)? == 2 && samples > 1;
@@ -339,12 +355,13 @@ fn open(path: &Path) -> Result<Raster> {
     let (offsets, lengths) = (tags.whole(offsets)?, tags.whole(lengths)?);
     check_size(at().with_item("tile"), of_chunk[0], of_chunk[1], 1)?;
     let together = if is_planar { 1 } else { samples };
-    let mut chunks = Chunks {
+    let chunks = Chunks {
         rows,
         columns,
         size: of_chunk,
         together,
         data_type,
+        are_bits,
         big_endian: tags.big_endian,
         packing,
         predictor,
@@ -357,7 +374,23 @@ fn open(path: &Path) -> Result<Raster> {
         let message = format!("{} places and {} lengths of {wanted} strips or tiles", offsets.len(), lengths.len());
         return Err(tags.broken(message));
     }
-    check_places(&tags, &chunks, is_tiled)?;
+    check_places(tags, &chunks, is_tiled)?;
+    Ok((chunks, samples))
+}
+
+/// Opens the first image of a file.
+pub(super) fn open(path: &Path) -> Result<Raster> {
+    let mut tags = Tags::open(path)?;
+    let at = || Location::file(path);
+    let unsupported = |what: String| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let feature = format!("{what} (`gdal_translate -of ENVI {name} {stem}_envi.img` makes a file that is read)");
+        Error::Unsupported { at: at(), feature }
+    };
+    let (mut chunks, samples) = layout(&mut tags, &unsupported)?;
+    let (rows, columns, data_type) = (chunks.rows, chunks.columns, chunks.data_type);
+    let colours = tags.one(262, 1)?;
     let mut report = Report::default();
     let ignore = match tags.text(42113)? {
         Some(text) => match text.trim().parse::<f64>() {
@@ -375,15 +408,11 @@ fn open(path: &Path) -> Result<Raster> {
         let message = "numbers of a palette, as they are stored: its colours are not taken";
         report.note(Fate::Defaulted, at().with_item("palette"), message);
     }
-    if tags.next != 0 {
-        let is_part = |kind: u64| kind & 5 != 0;
-        let next = tags.next;
-        let mut further = Tags::open(path)?;
-        // A smaller copy or a mask goes with the image; another image does not.
-        if further.directory(next).is_ok() && !is_part(further.one(254, 0).unwrap_or(0)) {
-            report.note(Fate::Dropped, at(), "further images: this is the first");
-        }
+    let (mask, has_further) = further(path, tags.next)?;
+    if has_further {
+        report.note(Fate::Dropped, at(), "further images: this is the first");
     }
+    let alpha = alpha(&mut tags, samples, data_type)?;
     let mut bands = vec![RasterBand::default(); samples];
     if colours == 2 && samples >= 3 {
         bands.iter_mut().zip(["red", "green", "blue"]).for_each(|(band, name)| band.name = name.to_owned());
@@ -403,28 +432,109 @@ fn open(path: &Path) -> Result<Raster> {
         keys: tags.whole(34735)?,
         numbers: tags.real(34736)?,
     };
-    let georeference = geo.place(path, &mut report);
-    Ok(Raster {
+    let (georeference, mirrored) = geo.place(path, [rows, columns], &mut report).unzip();
+    let is_changed = is_scaled || alpha.is_some_and(|alpha| alpha.is_multiplied);
+    let mut raster = Raster {
         ignore,
         unit: about.unit,
         scale: if is_scaled { about.scales } else { vec![] },
-        report,
         georeference,
+        mirrored: mirrored.unwrap_or_default(),
         ..Raster::of(
             path,
             (rows, columns),
             bands,
-            if is_scaled { DataType::F64 } else { data_type },
+            if is_changed { DataType::F64 } else { data_type },
             BandReader::Tiff(chunks),
         )
-    })
+    };
+    if let Some(alpha) = alpha {
+        raster.bands.remove(alpha.band);
+        raster.in_file.remove(alpha.band);
+        let what = if alpha.is_multiplied { "coverage, by which the others are divided" } else { "coverage" };
+        let message = format!("{what}: where it is 0 there is no data");
+        report.note(Fate::Defaulted, at().with_item(format!("band {}", alpha.band + 1)), message);
+        raster.alpha = Some(alpha);
+    }
+    raster.report = report;
+    if let Some(mask) = mask {
+        raster.take_mask(mask, at().with_item("mask"))?;
+    }
+    Ok(raster)
+}
+
+/// The mask that goes with the first image, as the directories behind it say, and whether further images follow.
+fn further(path: &Path, mut next: u64) -> Result<(Option<Raster>, bool)> {
+    let (mut mask, mut tags): (Option<Raster>, _) = (None, Tags::open(path)?);
+    let at = || Location::file(path).with_item("mask");
+    let refused = |message: String| Error::Invalid(vec![Problem::new(at(), message).with_help(HELP)]);
+    for _ in 0..MOST_DIRECTORIES {
+        if next == 0 {
+            return Ok((mask, false));
+        }
+        // It may be the mask's.
+        tags.directory(next).map_err(|e| refused(format!("the directory of a further image or mask: {e}")))?;
+        next = tags.next;
+        // Bit 0: a smaller copy, or the mask of one. Bit 2: a mask.
+        let kind = tags.one(254, 0).unwrap_or(0);
+        let is_mask = kind & 4 != 0 || tags.one(262, 1).unwrap_or(1) == 4;
+        if !is_mask && kind & 1 == 0 {
+            return Ok((mask, true));
+        }
+        if !is_mask || kind & 1 != 0 {
+            continue;
+        }
+        if mask.is_some() {
+            return Err(refused("a second mask: which of them counts is not said".into()));
+        }
+        let (chunks, samples) = layout(&mut tags, &|what| refused(format!("is not read: it is {what}")))?;
+        let bands = vec![RasterBand::default(); samples];
+        let size = (chunks.rows, chunks.columns);
+        mask = Some(Raster::of(path, size, bands, chunks.data_type, BandReader::Tiff(chunks)));
+    }
+    Ok((mask, true))
+}
+
+/// The samples of a pixel that are coverage.
+fn alpha(tags: &mut Tags<'_>, samples: usize, data_type: DataType) -> Result<Option<Alpha>> {
+    let extra = tags.whole(338)?;
+    let first = samples.saturating_sub(extra.len());
+    // 1: the others have been multiplied by it; 2: they have not.
+    let all: Vec<Alpha> = (first..samples)
+        .zip(&extra)
+        .filter(|(_, kind)| matches!(kind, 1 | 2))
+        .map(|(band, kind)| Alpha { band, whole: whole_of(data_type), is_multiplied: *kind == 1 })
+        .collect();
+    match all[..] {
+        [] => Ok(None),
+        // A lone band is what the image is of.
+        [_] if samples == 1 => Ok(None),
+        [one] => Ok(Some(one)),
+        _ => {
+            let message = format!("{} of {samples} bands are said to be coverage (ExtraSamples)", all.len());
+            let help = "`gdal_translate -b 1 IN.tif OUT.tif` keeps the first band alone";
+            Err(Error::Invalid(vec![Problem::new(Location::file(tags.path), message).with_help(help)]))
+        }
+    }
+}
+
+/// The number that stands for all of a pixel: the largest of integers, 1 of real numbers.
+fn whole_of(data_type: DataType) -> f64 {
+    match data_type {
+        DataType::F32 | DataType::F64 => 1.0,
+        DataType::I8 => f64::from(i8::MAX),
+        DataType::I16 => f64::from(i16::MAX),
+        DataType::I32 => f64::from(i32::MAX),
+        DataType::I64 => i64::MAX as f64,
+        _ => (8.0 * data_type.bytes() as f64).exp2() - 1.0,
+    }
 }
 
 /// Refuses strips and tiles that are not in the file, or hold more than their bytes can.
 fn check_places(tags: &Tags<'_>, chunks: &Chunks, is_tiled: bool) -> Result<()> {
     let bytes = |height: usize| {
-        let line = (chunks.size[1] as u64).checked_mul(chunks.together as u64 * chunks.data_type.bytes() as u64);
-        line.and_then(|line| line.checked_mul(height as u64))
+        let line = chunks.size[1].checked_mul(chunks.together).and_then(|line| chunks.bytes_of(line));
+        line.and_then(|line| (line as u64).checked_mul(height as u64))
     };
     let expansion = if chunks.packing == Packing::None { 1 } else { MOST_PACKED };
     let [down, across] = chunks.counts();

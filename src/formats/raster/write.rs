@@ -70,8 +70,13 @@ pub fn write(
         let problem = Problem::new(Location::file(path), message).with_help("choose one: --band 1");
         return Err(Error::Invalid(vec![problem]));
     }
+    // A type of integers has no number for pixels that a mask hides.
+    let own = match raster.may_have_holes() && raster.ignore.is_none() && raster.data_type.is_integer() {
+        true => DataType::F64,
+        false => raster.data_type,
+    };
     let data_type = match target {
-        Target::Envi(_) | Target::Npy => options.data_type.unwrap_or(raster.data_type),
+        Target::Envi(_) | Target::Npy => options.data_type.unwrap_or(own),
         Target::Exr => DataType::F32,
         Target::Ilwis | Target::Csv => DataType::F64,
     };

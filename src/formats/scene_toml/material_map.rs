@@ -177,7 +177,8 @@ impl TomlReader<'_> {
         }
         match toml.placement {
             TexturePlacementToml::LonLat => {
-                let (map, tiling) = self.lon_lat(&member(item, "west_deg"), toml.west_deg, of_image, MOST_VALUES)?;
+                let (map, tiling) =
+                    self.lon_lat(&member(item, "west_deg"), toml.west_deg, std::slice::from_ref(raster), MOST_VALUES)?;
                 let texels = facets.map(|f| within(map.texel(middle_m(f) - map.centre_m), tiling.size)).collect();
                 Some((texels, Some(tiling)))
             }

@@ -229,7 +229,8 @@ impl TomlReader<'_> {
                 self.taken_of_raster(item, value);
                 self.plane(item, &plane, raster)
             }
-            (None, Some(Georeference::Other(why))) => {
+            (None, Some(other)) => {
+                let why = other.why_no_plane().unwrap_or_default();
                 self.problem(item, format!("is missing, and the raster's own georeference is not taken: {why}"));
                 None
             }
@@ -324,8 +325,7 @@ impl TomlReader<'_> {
             TexturePlacementToml::LonLat => {
                 self.goes_without(&item, "plane", toml.plane.is_some())?;
                 self.goes_without(&item, "wrap", toml.wrap.is_some())?;
-                let of_image = [rasters[0].rows, rasters[0].columns];
-                let (map, tiling) = self.lon_lat(&at("west_deg"), toml.west_deg, of_image, MOST_VALUES)?;
+                let (map, tiling) = self.lon_lat(&at("west_deg"), toml.west_deg, &rasters, MOST_VALUES)?;
                 let [columns, rows] = map.size();
                 (Some(map), (Atlas { corners: vec![], rows, columns }, Some(tiling)))
             }
@@ -349,6 +349,18 @@ impl TomlReader<'_> {
         for raster in &mut rasters {
             for number in 0..raster.bands.len() {
                 self.taken(&at("raster"), raster.read(number, &mut band))?;
+                // Before the image becomes a larger one.
+                if let Some(i) = band.iter().position(|value| Texture::is_odd(*value)) {
+                    let of = if layers > 1 { format!("band {} of ", number + 1) } else { String::new() };
+                    let (row, column) = (i / raster.columns, i % raster.columns);
+                    let message = format!(
+                        "{of}{}: texel (row {row}, column {column}) is {}: expected a number of at least 0",
+                        raster.path.display(),
+                        crate::error::number(band[i])
+                    );
+                    self.problem(&at("raster"), message);
+                    return None;
+                }
                 if let Some(tiling) = &tiling {
                     tiling.expanded(&band, &mut larger);
                     std::mem::swap(&mut band, &mut larger);
@@ -369,8 +381,7 @@ impl TomlReader<'_> {
         let material = MaterialId(u16::try_from(id).ok()?);
         let mut texture = Texture { material, kind, lon_lat, corners, rows, columns, wavelength_um, values, texels };
         let to_one = toml.mean.map_or(kind == TextureKind::Factor, |mean| mean == MeanToml::One);
-        // A texel that is not a number is reported as such, not through the mean.
-        if to_one && texture.odd_texel().is_none() {
+        if to_one {
             let means = texture.means(mesh);
             if let Some(mean) = means.iter().find(|m| !(**m > 0.0 && m.is_finite())) {
                 let (message, help) = if !mesh.material.contains(&material) {
@@ -410,15 +421,23 @@ impl TomlReader<'_> {
         (!is_given).then_some(())
     }
 
-    /// A map of all longitudes and latitudes, of an image of `[rows, columns]`; and the image that is held.
+    /// A map of all longitudes and latitudes, of images of one size; and the image that is held.
     pub(in crate::formats) fn lon_lat(
         &mut self,
         item: &str,
         west_deg: Option<f64>,
-        [rows, columns]: [usize; 2],
+        rasters: &[Raster],
         most_texels: usize,
     ) -> Option<(LonLat, Tiling)> {
-        let Some(west_deg) = west_deg else {
+        let [rows, columns] = [rasters[0].rows, rasters[0].columns];
+        let mut own_deg = None;
+        for raster in rasters {
+            own_deg = self.own_west_deg(item, west_deg.or(own_deg), raster)?.or(own_deg);
+        }
+        if let (None, Some(own_deg)) = (west_deg, own_deg) {
+            self.taken_of_raster(item, format!("{}, as the raster says", number(own_deg)));
+        }
+        let Some(west_deg) = west_deg.or(own_deg) else {
             let help = "0 if it goes from 0 to 360, -180 if from -180 to 180";
             self.helped(item, "is missing: it says at which longitude the map's first column begins", help);
             return None;
@@ -433,6 +452,56 @@ impl TomlReader<'_> {
         }
         let map = LonLat { centre_m: -self.origin_m, west_deg, columns, rows };
         Some((map, Tiling::around([rows, columns])))
+    }
+
+    /// Where the first column of a map of all longitudes and latitudes begins, as the raster says, deg; the inner none if it does not say. It must not
+    /// be half a column from what is given, and the raster must be of the whole body.
+    fn own_west_deg(&mut self, item: &str, given_deg: Option<f64>, raster: &Raster) -> Option<Option<f64>> {
+        let file = raster.path.display();
+        let (corner_deg, pixel_deg) = match raster.georeference() {
+            Some(Georeference::Degrees { corner_deg, pixel_deg }) => (*corner_deg, *pixel_deg),
+            Some(Georeference::Turned(how)) => {
+                self.helped(item, format!("{file}: {how}"), "`gdalwarp IN.tif OUT.tif` turns it");
+                return None;
+            }
+            _ => return Some(None),
+        };
+        let [[west, east], [south, north]] = raster.covered_deg(corner_deg, pixel_deg);
+        let whole = [(east - west - 360.0, 0), (north - 90.0, 1), (south + 90.0, 1)];
+        let off_px = whole.map(|(off, axis)| (off / pixel_deg[axis]).abs()).into_iter().fold(0.0, f64::max);
+        let covers = format!(
+            "{file} covers longitudes {} to {} deg and latitudes {} to {} deg",
+            number(west),
+            number(east),
+            number(south),
+            number(north)
+        );
+        if !(off_px < 0.5) {
+            let first = if west < 0.0 { -180 } else { 0 };
+            let help = format!(
+                "`gdalwarp -te {first} -90 {} 90 -dstnodata nan -ot Float32 IN.tif OUT.tif` makes it one of the whole body, without data beyond",
+                first + 360
+            );
+            self.helped(item, format!("{covers}, and the map must be of the whole body"), help);
+            return None;
+        }
+        if off_px > SAME_PLACE {
+            self.note(item, format!("{covers}: taken for the whole body"));
+        }
+        let turns = |deg: f64| deg - 360.0 * (deg / 360.0).round();
+        let Some(given_deg) = given_deg else {
+            return Some(Some(if west.abs() <= 360.0 { west } else { turns(west) }));
+        };
+        let off_px = turns(given_deg - west).abs() / pixel_deg[0];
+        let message = format!("{} deg here, and {} deg in {file}", number(given_deg), number(west));
+        if off_px >= 0.5 {
+            self.helped(item, message, "leave it out: the raster says where its first column begins");
+            return None;
+        }
+        if off_px > SAME_PLACE {
+            self.note(item, format!("{message}: that of this file is taken"));
+        }
+        Some(Some(given_deg))
     }
 
     /// Texel coordinates of all facets' corners.

@@ -100,6 +100,7 @@ pub(crate) struct MaterialMapToml {
     /// For `placement = "atlas"`: how the image continues beyond its border. Default: not at all.
     pub(crate) wrap: Option<WrapToml>,
     /// For `placement = "lonlat"`: east longitude of the outer border of the map's first column, deg, mostly 0 or -180.
+    /// Default: what the raster says, if it lies in degrees.
     pub(crate) west_deg: Option<f64>,
 }
 
@@ -407,6 +408,7 @@ pub(crate) struct TextureToml {
     /// For `placement = "atlas"`: how the image continues beyond its border. Default: not at all.
     pub(crate) wrap: Option<WrapToml>,
     /// For `placement = "lonlat"`: east longitude of the outer border of the map's first column, deg, mostly 0 or -180.
+    /// Default: what the raster says, if it lies in degrees.
     pub(crate) west_deg: Option<f64>,
     /// Whether factors are divided by their mean over the material's facets, so that it is 1 ("one", the default for factors), or
     /// stay as they are ("kept", the default for reflectances).

@@ -1,5 +1,6 @@
 //! Heights from a raster: cropped, resampled, amplified, and repeated at a smaller scale.
 
+use crate::error::number;
 use crate::geometry::{whole, whole_u32};
 use crate::landscape::recipe::Relief;
 use crate::landscape::sources::Sources;
@@ -84,9 +85,15 @@ impl Elevation {
             (Some(height_m), _) => height_m / (highest - lowest),
             (None, Some([pixel_m, _])) => width_m / (columns as f64 * pixel_m),
             (None, None) => {
-                let message = format!(
-                    "{file} does not say how wide its pixels are: give `pixel_m`, or the range of heights as `height_m`"
-                );
+                let size = match source.pixel_deg {
+                    Some([width, height]) => format!(
+                        "has pixels of {} x {} deg, and does not say how wide those are",
+                        number(width),
+                        number(height)
+                    ),
+                    None => "does not say how wide its pixels are".into(),
+                };
+                let message = format!("{file} {size}: give `pixel_m`, or the range of heights as `height_m`");
                 return Err(("file", message));
             }
         };
@@ -197,7 +204,7 @@ mod tests {
 
     fn sources(columns: usize, rows: usize, height: impl Fn(f64, f64) -> f64, pixel_m: Option<[f64; 2]>) -> Sources {
         let values = (0..rows).flat_map(|j| (0..columns).map(move |i| (i as f64, j as f64))).map(|(i, j)| height(i, j));
-        let source = Source { columns, rows, values: values.collect(), pixel_m, full_scale: None };
+        let source = Source { columns, rows, values: values.collect(), pixel_m, pixel_deg: None, full_scale: None };
         Sources { rasters: [("dem".to_owned(), source)].into(), ..Sources::default() }
     }
 
