@@ -140,7 +140,7 @@ fn masks_are_bits_or_bytes_and_are_taken_whole_or_refused() {
     let mut one = [255; 18];
     one[10] = 0;
     assert!(same(&values(&mut open(&write(&[main(), bytes(&one)])), 0), &expected(&[10])));
-    assert!(same(&values(&mut open(&write(&[main(), bytes(&[0; 18])])), 0), &vec![f64::NAN; 18]));
+    assert!(same(&values(&mut open(&write(&[main(), bytes(&[0; 18])])), 0), &[f64::NAN; 18]));
     // The mask of a further image is not that of the first.
     let mut raster = open(&write(&[main(), main(), bytes(&[0; 18])]));
     assert!(same(&values(&mut raster, 0), &expected(&[])) && said(&raster).contains("further images"));

@@ -468,7 +468,7 @@ impl TomlReader<'_> {
         };
         let [[west, east], [south, north]] = raster.covered_deg(corner_deg, pixel_deg);
         let whole = [(east - west - 360.0, 0), (north - 90.0, 1), (south + 90.0, 1)];
-        let off_px = whole.map(|(off, axis)| (off / pixel_deg[axis]).abs()).into_iter().fold(0.0, f64::max);
+        let off_px = whole.map(|(off, axis)| (off / pixel_deg[axis]).abs());
         let covers = format!(
             "{file} covers longitudes {} to {} deg and latitudes {} to {} deg",
             number(west),
@@ -476,7 +476,7 @@ impl TomlReader<'_> {
             number(south),
             number(north)
         );
-        if !(off_px < 0.5) {
+        if !off_px.iter().all(|off| *off < 0.5) {
             let first = if west < 0.0 { -180 } else { 0 };
             let help = format!(
                 "`gdalwarp -te {first} -90 {} 90 -dstnodata nan -ot Float32 IN.tif OUT.tif` makes it one of the whole body, without data beyond",
@@ -485,7 +485,7 @@ impl TomlReader<'_> {
             self.helped(item, format!("{covers}, and the map must be of the whole body"), help);
             return None;
         }
-        if off_px > SAME_PLACE {
+        if off_px.iter().any(|off| *off > SAME_PLACE) {
             self.note(item, format!("{covers}: taken for the whole body"));
         }
         let turns = |deg: f64| deg - 360.0 * (deg / 360.0).round();
