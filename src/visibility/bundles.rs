@@ -13,6 +13,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::blocks::Blocks;
+use super::detail::detail;
 use super::meetings::{Frame, Meeting, Scratch, meetings};
 use crate::geometry::{Direction, Mesh};
 use crate::units::GOLDEN;
@@ -31,7 +32,11 @@ const MOST_CELLS: f64 = 64.0;
 pub struct Bundles<'a> {
     mesh: &'a Mesh,
     blocks: Arc<Blocks>,
-    /// The middle of the mesh, half its extent along the axes, and the largest magnitude of its coordinates, m.
+    /// Of which facets all lines are among these; none of the bundles of all facets.
+    members: Option<Arc<[bool]>>,
+    /// How many these are.
+    facets: usize,
+    /// The middle of them, half their extent along the axes, and the largest magnitude of the mesh's coordinates, m.
     middle_m: DVec3,
     half_m: DVec3,
     magnitude_m: f64,
@@ -50,38 +55,76 @@ impl<'a> Bundles<'a> {
     /// `count` bundles; of their lines `lines_per_facet` meet a facet, on average. None of a mesh without area.
     pub fn new(mesh: &'a Mesh, count: u32, lines_per_facet: u32) -> Self {
         let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
-        let (vector_m2, area_m2) = mesh.vector_area_m2();
+        let blocks = Arc::new(Blocks::new(mesh, low_m, high_m));
+        Self::of(mesh, blocks, None).with(count, lines_per_facet)
+    }
+
+    /// Bundles of which each facet [is one's](Self::is_of): of all; or, where a part of the mesh is made in detail, of that part and of the rest. By area, most of the
+    /// lines of all would be those of large facets around it.
+    pub fn levels(mesh: &'a Mesh, count: u32, lines_per_facet: u32) -> Vec<Self> {
+        let all = Self::new(mesh, count, lines_per_facet);
+        let Some(fine) = detail(mesh) else { return vec![all] };
+        let coarse: Vec<bool> = fine.iter().map(|is_fine| !is_fine).collect();
+        let of = |members: Vec<bool>| {
+            Self::of(mesh, Arc::clone(&all.blocks), Some(members.into())).with(count, lines_per_facet)
+        };
+        vec![of(fine), of(coarse)]
+    }
+
+    fn of(mesh: &'a Mesh, blocks: Arc<Blocks>, members: Option<Arc<[bool]>>) -> Self {
+        let own = |f: &usize| members.as_ref().is_none_or(|members| members[*f]);
+        let (mut low_m, mut high_m) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (mut vector_m2, mut area_m2, mut facets) = (DVec3::ZERO, 0.0, 0);
+        for facet in (0..mesh.facets.len()).filter(own).map(|f| mesh.facet(f)) {
+            facets += 1;
+            (vector_m2, area_m2) = (vector_m2 + 0.5 * facet.cross_m2(), area_m2 + facet.area_m2());
+            for corner_m in facet.corners_m {
+                (low_m, high_m) = (low_m.min(corner_m), high_m.max(corner_m));
+            }
+        }
         let is_ground = vector_m2.length() >= GROUND * area_m2;
         let up = Direction::new(vector_m2).filter(|_| is_ground).unwrap_or(Direction::Z);
         let (east, north) = up.frame();
         let half_m = 0.5 * (high_m - low_m);
-        let all = Bundles {
+        let magnitude_m = mesh.bounds_m().map_or(0.0, |(low_m, high_m)| low_m.abs().max(high_m.abs()).max_element());
+        Bundles {
             mesh,
-            blocks: Arc::new(Blocks::new(mesh, low_m, high_m)),
+            blocks,
+            members,
+            facets,
             middle_m: 0.5 * (low_m + high_m),
             half_m,
-            magnitude_m: low_m.abs().max(high_m.abs()).max_element(),
+            magnitude_m,
             axes: [east, north, up.vec()],
             is_ground,
             area_m2: if area_m2 > NO_AREA * half_m.length_squared() { area_m2 } else { 0.0 },
             count: 0,
             line_m2_sr: 0.0,
-            most_cells: (MOST_CELLS * mesh.facets.len() as f64).max(LEAST_LINES),
-        };
-        all.with(count, lines_per_facet)
+            most_cells: (MOST_CELLS * facets as f64).max(LEAST_LINES),
+        }
     }
 
     /// Others of the same mesh.
     #[must_use]
     pub fn with(&self, count: u32, lines_per_facet: u32) -> Self {
-        let lines = (f64::from(lines_per_facet) * self.mesh.facets.len() as f64).max(LEAST_LINES);
+        let lines = (f64::from(lines_per_facet) * self.facets as f64).max(LEAST_LINES);
         let line_m2_sr = PI * self.area_m2 / lines;
         Bundles { count: if line_m2_sr.is_normal() { count } else { 0 }, line_m2_sr, ..self.clone() }
+    }
+
+    /// The mesh whose facets meet.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
     }
 
     /// Number of bundles.
     pub fn count(&self) -> u32 {
         self.count
+    }
+
+    /// Whether all lines that meet a facet are among these: of others only some are.
+    pub fn is_of(&self, facet: u32) -> bool {
+        self.members.as_ref().is_none_or(|members| members[facet as usize])
     }
 
     /// What of a facet's hemisphere one line stands for: the light of a surface of exitance 1 along it, over all that the facet receives.

@@ -231,7 +231,7 @@ impl Drawn {
                 (low, high) = (low.min(x), high.max(x));
             }
         }
-        let start = first_middle(low - 1.0).max(self.first[0]);
+        let start = first_middle(low - 1.0).clamp(self.first[0], self.end[0]);
         start..first_middle(high + 1.0).min(self.end[0]).max(start)
     }
 
@@ -297,7 +297,10 @@ impl Scratch {
         self.points.clear();
         self.points.extend(vertices_m.iter().map(|p_m| frame.project(*p_m)));
         self.first.clear();
-        self.first.extend(self.points.iter().map(|[x, y, _]| [first_middle(*x), first_middle(*y)]));
+        // What lies beyond the lattice meets no line.
+        let [columns, rows] = frame.tiles.map(|tiles| 8 * tiles);
+        let first = |[x, y, _]: &[f64; 3]| [first_middle(*x).min(columns), first_middle(*y).min(rows)];
+        self.first.extend(self.points.iter().map(first));
     }
 
     /// A facet; `None` if it is between lines.

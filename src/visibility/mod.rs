@@ -12,6 +12,7 @@ mod coincident;
 mod convex;
 mod coverage;
 mod covered;
+mod detail;
 mod drawing;
 mod horizon;
 mod in_view;

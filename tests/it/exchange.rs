@@ -21,7 +21,11 @@ use crate::shapes::{Random, cuboid, direction, grid, joined, mesh, nadir, of_mat
 
 /// How much of what each of some groups of facets sends arrives at each other one: form factors, [from, to].
 fn factors(mesh: &Mesh, groups: &[std::ops::Range<u32>], bundles: u32) -> Vec<Vec<f64>> {
-    let bundles = Bundles::new(mesh, bundles, 1024);
+    factors_by(&Bundles::new(mesh, bundles, 1024), groups)
+}
+
+fn factors_by(bundles: &Bundles, groups: &[std::ops::Range<u32>]) -> Vec<Vec<f64>> {
+    let mesh = bundles.mesh();
     let group = |facet: u32| groups.iter().position(|g| g.contains(&facet)).unwrap();
     let mut lines = vec![vec![0.0; groups.len()]; groups.len()];
     let mut scratch = LineScratch::default();
@@ -113,6 +117,43 @@ fn an_inner_side_is_dark_and_blocks() {
     assert_eq!(f[0][1], 0.0);
     // What goes round the middle one is less than all that would pass without it.
     assert!(f[0][2] == 0.0, "{f:?}");
+}
+
+#[test]
+fn a_part_in_detail_has_lines_of_its_own() {
+    // Two finely divided squares that face each other, 1 m apart, over the middle of a plain of 40 x 40 m: by area they would have a line in 400.
+    let fine = |z: f64, is_up: bool| {
+        let mut square = grid(0.5, 24, |_, _| z);
+        if !is_up {
+            square.flip();
+        }
+        square
+    };
+    let plain = grid(20.0, 4, |_, _| -1.0);
+    let (low, high) = (fine(0.0, true), fine(1.0, false));
+    let n = u32::try_from(low.facets.len()).unwrap();
+    let all = joined(&[low, high, plain]);
+    let groups = [0..n, n..2 * n, 2 * n..u32::try_from(all.facets.len()).unwrap()];
+    let levels = Bundles::levels(&all, 256, 256);
+    assert_eq!(levels.len(), 2);
+    assert!(
+        groups
+            .iter()
+            .zip([0, 0, 1])
+            .all(|(g, level)| g.clone().all(|f| levels[level].is_of(f) && !levels[1 - level].is_of(f)))
+    );
+    let of_fine = factors_by(&levels[0], &groups);
+    let expected = form_factor::parallel_rectangles(1.0, 1.0, 1.0);
+    assert_near("parallel squares", of_fine[0][1], expected, 1e-2);
+    assert_near("reciprocity", of_fine[1][0], of_fine[0][1], 1e-12);
+    // Past the lower square the upper one sees the plain, and little beyond it: a hundredth of its hemisphere.
+    assert_near("upper and plain", of_fine[1][2], 1.0 - expected, 2e-2);
+    assert_eq!(of_fine[0][2], 0.0);
+    // The plain's own lines tell the same of what the upper square sends it, if only roughly.
+    let of_plain = factors_by(&levels[1], &groups);
+    assert_near("plain and upper", of_plain[2][1] * 40.0 * 40.0, 1.0 - expected, 0.15);
+    // All of one size: one level.
+    assert_eq!(Bundles::levels(&fine(0.0, true), 16, 16).len(), 1);
 }
 
 #[test]

@@ -17,7 +17,7 @@ use self::pass::pass;
 use self::sampling::sampling;
 use super::irradiance::share;
 use crate::error::Result;
-use crate::geometry::{MaterialId, Mesh};
+use crate::geometry::{MaterialId, Mesh, index_u32};
 use crate::physics::heat;
 use crate::product::{FacetTable, Lighting, Reflected, Sampling, Sees, warmest_k};
 use crate::progress::Watch;
@@ -44,7 +44,7 @@ pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, wat
     let mut absorbed_w_m2 = vec![0.0; if is_warm { mesh.facets.len() } else { 0 }];
     let direct = Direct::new(scene, table, &carried);
     let first = direct.totals(&areas_m2);
-    let bundles = Bundles::new(mesh, exchange.directions, exchange.lines_per_facet);
+    let levels = Bundles::levels(mesh, exchange.directions, exchange.lines_per_facet);
     let mut before = Received { carried: &carried, rows: vec![] };
     let mut sampled = None;
     for n in 1..=exchange.bounces {
@@ -55,10 +55,11 @@ pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, wat
                 parts.at(facet, || frame.uv(&mesh.facet(facet as usize), meeting.at))
             };
             let give = |row: &mut [f64], from: u32, lit: Lit, lines: f64| direct.give(row, from, lit, lines);
-            let arrived = pass(&bundles, &areas_m2, columns, lit, give, watch)?;
+            let arrived = pass(&levels, &areas_m2, columns, lit, give, watch)?;
             let light = |f: usize| arrived.rows[f * columns + wavelengths];
             let sunlight = |f: usize| table.sources.first().map_or(0.0, |sun| sun.irradiance[f] * share(&sun.sees, f));
-            let [lit, shadow] = sampling(mesh, &areas_m2, |f| [sunlight(f), light(f), arrived.difference[f]]);
+            let is_shown = |f: usize| levels[0].is_of(index_u32(f));
+            let [lit, shadow] = sampling(mesh, &areas_m2, is_shown, |f| [sunlight(f), light(f), arrived.difference[f]]);
             sampled = Some(Sampling { lit, shadow, spectra: carried.palette.error });
             arrived.rows
         } else {
@@ -74,7 +75,7 @@ pub(super) fn add(scene: &Scene, table: &mut FacetTable, exchange: Exchange, wat
                 sent.give(mesh, row, from, lines);
                 0.0
             };
-            let fewer = bundles.with(directions, lines_per_facet);
+            let fewer: Vec<Bundles> = levels.iter().map(|bundles| bundles.with(directions, lines_per_facet)).collect();
             pass(&fewer, &areas_m2, columns, |_, _, _| Lit::default(), give, watch)?.rows
         };
         before = Received { carried: &carried, rows };

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::lit::Lit;
 use crate::error::Result;
+use crate::geometry::index_u32;
 use crate::progress::{Watch, tell};
 use crate::visibility::{Bundles, Frame, LineScratch, Meeting};
 
@@ -38,7 +39,7 @@ pub(super) struct Arrived {
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted) if `watch` asks to stop.
 pub(super) fn pass(
-    bundles: &Bundles,
+    levels: &[Bundles],
     areas_m2: &[f64],
     columns: usize,
     lit: impl Fn(&Frame, &Meeting, usize) -> Lit + Sync,
@@ -50,25 +51,31 @@ pub(super) fn pass(
     let mut sums = Arrived { rows: vec![0.0; facets * columns], difference: vec![0.0; facets] };
     let part = facets.div_ceil(PARTS).max(1);
     let spare: Mutex<Vec<LineScratch>> = Mutex::default();
-    let ways = |bundle: u32| {
+    let ways = |bundles: &Bundles, bundle: u32| {
         let mut scratch = spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         let mut ways: [Vec<Way>; PARTS] = Default::default();
         let lines = bundles.meetings(bundle, &mut scratch, |frame, meeting| {
             let lit = [0, 1].map(|which| lit(frame, &meeting, which));
             let [one, other] = meeting.facets;
-            ways[other as usize / part].push(Way { to: other, from: one, lit: lit[0] });
-            ways[one as usize / part].push(Way { to: one, from: other, lit: lit[1] });
+            for (to, from, lit) in [(other, one, lit[0]), (one, other, lit[1])] {
+                if bundles.is_of(to) {
+                    ways[to as usize / part].push(Way { to, from, lit });
+                }
+            }
         });
         spare.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
         // Every other one: halves like these cover directions as evenly as so many would by themselves.
         (if bundle.is_multiple_of(2) { 1.0 } else { -1.0 }, lines, ways)
     };
+    let all: u64 = levels.iter().map(|bundles| u64::from(bundles.count())).sum();
     let mut done = 0;
-    while done < bundles.count() {
-        tell(watch, STAGE, u64::from(done), u64::from(bundles.count()))?;
-        let some = done..(done + AT_A_TIME).min(bundles.count());
-        done = some.end;
-        let found: Vec<(f64, f64, [Vec<Way>; PARTS])> = some.into_par_iter().map(ways).collect();
+    let in_turn = |bundles: &Bundles| (0..bundles.count()).step_by(AT_A_TIME as usize);
+    for (bundles, first) in levels.iter().flat_map(|bundles| in_turn(bundles).map(move |first| (bundles, first))) {
+        tell(watch, STAGE, done, all)?;
+        let some = first..(first + AT_A_TIME).min(bundles.count());
+        done += some.len() as u64;
+        let found: Vec<(f64, f64, [Vec<Way>; PARTS])> =
+            some.into_par_iter().map(|bundle| ways(bundles, bundle)).collect();
         let parts = sums.rows.par_chunks_mut(part * columns).zip(sums.difference.par_chunks_mut(part));
         parts.enumerate().for_each(|(p, (rows, difference))| {
             for (half, lines, ways) in &found {
@@ -79,11 +86,14 @@ pub(super) fn pass(
             }
         });
     }
-    tell(watch, STAGE, u64::from(done), u64::from(bundles.count()))?;
-    let share = |area_m2: f64| if area_m2 > 0.0 { bundles.share_of_line(area_m2) } else { 1.0 };
-    let rows = sums.rows.par_chunks_mut(columns).zip(&mut sums.difference);
-    rows.zip(areas_m2).for_each(|((row, difference), area_m2)| {
-        let share = share(*area_m2);
+    tell(watch, STAGE, done, all)?;
+    let share = |facet: usize| {
+        let bundles = levels.iter().find(|bundles| bundles.is_of(index_u32(facet)));
+        bundles.filter(|_| areas_m2[facet] > 0.0).map_or(1.0, |bundles| bundles.share_of_line(areas_m2[facet]))
+    };
+    let rows = sums.rows.par_chunks_mut(columns).zip(&mut sums.difference).enumerate();
+    rows.for_each(|(facet, (row, difference))| {
+        let share = share(facet);
         row.iter_mut().chain([difference]).for_each(|sum| *sum *= share);
     });
     Ok(sums)
@@ -142,7 +152,9 @@ mod tests {
                 row[0] += lines * sent[from as usize];
                 0.0
             };
-            sent = pass(&bundles, &areas_m2, 1, |_, _, _| Lit::default(), give, &unwatched).unwrap().rows;
+            sent = pass(std::slice::from_ref(&bundles), &areas_m2, 1, |_, _, _| Lit::default(), give, &unwatched)
+                .unwrap()
+                .rows;
             left.push(mean(&sent));
         }
         // All that is sent arrives, at every bounce: the series is that of rho.

@@ -20,19 +20,22 @@ struct Patch {
     difference: f64,
 }
 
-/// Where the Sun shines and where it does not, of the facets' `[sunlight, received light, difference of halves]`.
+/// Where the Sun shines and where it does not, of some facets' `[sunlight, received light, difference of halves]`.
 pub(super) fn sampling(
     mesh: &Mesh,
     areas_m2: &[f64],
+    is_meant: impl Fn(usize) -> bool + Sync,
     of: impl Fn(usize) -> [f64; 3] + Sync,
 ) -> [Option<SamplingError>; 2] {
     let (low_m, _) = mesh.bounds_m().unwrap_or_default();
-    let edge_m = EDGE * (areas_m2.iter().sum::<f64>() / areas_m2.len().max(1) as f64).sqrt().max(f64::MIN_POSITIVE);
+    let meant: Vec<usize> = (0..areas_m2.len()).filter(|f| is_meant(*f)).collect();
+    let area_m2: f64 = meant.iter().map(|f| areas_m2[*f]).sum();
+    let edge_m = EDGE * (area_m2 / meant.len().max(1) as f64).sqrt().max(f64::MIN_POSITIVE);
     let place = |f: usize| {
         let at = (mesh.facet(f).centroid_m() - low_m) / edge_m;
         (at.to_array().map(whole), f)
     };
-    let mut places: Vec<([usize; 3], usize)> = (0..areas_m2.len()).into_par_iter().map(place).collect();
+    let mut places: Vec<([usize; 3], usize)> = meant.into_par_iter().map(place).collect();
     places.par_sort_unstable();
     let patch = |facets: &[([usize; 3], usize)]| {
         facets.iter().fold(Patch::default(), |mut sum, (_, f)| {
