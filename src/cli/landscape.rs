@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         let found = PRESETS.iter().find(|preset| name.is_some_and(|name| name.as_os_str() == preset.name));
         let Some(preset) = found else {
             let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-            let message = format!("is no preset: there are {}", names.join(", "));
+            let message = format!("is not a preset; presets are {}", names.join(", "));
             return Err(Error::invalid(Location::file(name.unwrap_or(std::path::Path::new(""))), message));
         };
         console.done(preset.text.trim_end(), &serde_json::json!({ "preset": preset.name, "recipe": preset.text }));
@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let (path, facets) = (files.obj.display().to_string(), landscape.mesh.facets.len());
     let boulders = landscape.boulders.iter().filter(|b| b.facets.is_some()).count();
     let craters = landscape.craters.iter().filter(|c| c.shown).count();
-    for doubt in landscape.doubts() {
+    for doubt in opened.notes.iter().cloned().chain(landscape.doubts()) {
         console.note(&format!("warning: {doubt}"));
     }
     let mut json = serde_json::json!({

@@ -11,6 +11,7 @@ use super::located::Document;
 use super::raster::DataType;
 use super::{InputFile, registry};
 use crate::error::{Error, Location, Problem, Result};
+use crate::geometry::repair::join_equal;
 use crate::landscape::{self, Landscape, PRESETS, Recipe, RecipeOne, Source, Sources};
 use crate::progress::Watch;
 
@@ -53,6 +54,8 @@ pub struct OpenedRecipe {
     pub recipe: Recipe,
     /// The files that it was read from: its own, and those of its rasters.
     pub inputs: Vec<InputFile>,
+    /// What of its files was not taken as it is, or is probably not meant.
+    pub notes: Vec<String>,
     sources: Sources,
     document: Document,
     item: String,
@@ -116,6 +119,7 @@ impl OpenedRecipe {
         let mut opened = OpenedRecipe {
             recipe: any.recipe(),
             inputs: Vec::new(),
+            notes: Vec::new(),
             sources: Sources::default(),
             document,
             item: item.to_owned(),
@@ -126,8 +130,9 @@ impl OpenedRecipe {
                 continue;
             }
             match source(&folder.join(name)) {
-                Ok((source, files)) => {
+                Ok((source, files, notes)) => {
                     inputs.extend(files);
+                    opened.notes.extend(notes.into_iter().map(|note| format!("{key}: {name}: {note}")));
                     opened.sources.rasters.insert(name.to_owned(), source);
                 }
                 Err(Error::Invalid(found)) => problems.extend(found),
@@ -139,8 +144,11 @@ impl OpenedRecipe {
             match registry::mesh(&folder.join(name), true) {
                 Ok(file) => {
                     inputs.extend(file.inputs);
-                    let surface =
+                    opened.notes.extend(file.doubts.iter().map(|note| format!("{key}: {}: {}", note.at, note.message)));
+                    let mut surface =
                         file.surface.placed(&Placing { unit_m, ..Placing::default() }, (file.up, file.unit_m));
+                    // What flat shading and seams of textures have split would be creases of the smooth surface.
+                    join_equal(&mut surface.mesh);
                     opened.sources.meshes.insert(name.to_owned(), surface.mesh);
                 }
                 Err(Error::Invalid(found)) => problems.extend(found),
@@ -185,17 +193,31 @@ impl OpenedRecipe {
     }
 }
 
-/// The first band of a raster, or the mean of three colours.
-fn source(path: &Path) -> Result<(Source, Vec<InputFile>)> {
+/// The first band of a raster, or the mean of a picture's three colours; heights that are in another unit in m.
+fn source(path: &Path) -> Result<(Source, Vec<InputFile>, Vec<String>)> {
     let mut raster = registry::image(path)?;
     raster.is_upright()?;
+    let mut notes = Vec::new();
+    // Bands of what is no picture may be of different quantities.
     let bands = match raster.colour_bands() {
-        colours if colours.len() == 3 => colours,
+        colours if colours.len() == 3 && raster.full_scale.is_some() => colours,
         _ => vec![0],
     };
+    if bands.len() == 1 && raster.bands.len() > 1 {
+        notes.push(format!("the first of its {} bands is taken", raster.bands.len()));
+    }
+    let unit_m = raster.unit.as_deref().map(|unit| (unit, metres(unit)));
+    match unit_m {
+        Some((unit, Some(unit_m))) if unit_m != 1.0 => notes.push(format!("its numbers are in {unit}: made m")),
+        Some((unit, None)) => {
+            notes.push(format!("its unit, {unit:?}, is not known as one of length: its numbers are taken as m"))
+        }
+        _ => {}
+    }
+    let unit_m = unit_m.and_then(|(_, unit_m)| unit_m).unwrap_or(1.0);
     let (mut values, mut band) = (vec![0.0; raster.pixels()], Vec::new());
     // Of a picture as the counts that it stores: heights are counts of something.
-    let counts = raster.full_scale.unwrap_or(1.0) / bands.len() as f64;
+    let counts = raster.full_scale.unwrap_or(1.0) * unit_m / bands.len() as f64;
     for &number in &bands {
         raster.read(number, &mut band)?;
         values.iter_mut().zip(&band).for_each(|(sum, value)| *sum += value * counts);
@@ -205,8 +227,27 @@ fn source(path: &Path) -> Result<(Source, Vec<InputFile>)> {
         DataType::U16 => Some(65535.0),
         _ => None,
     });
+    let full_scale = full_scale.map(|most| most * unit_m);
     let pixel_m = raster.spacing_m();
     let pixel_deg = raster.pixel_deg();
     let source = Source { columns: raster.columns, rows: raster.rows, values, pixel_m, pixel_deg, full_scale };
-    Ok((source, raster.inputs()?))
+    // Some of it is known only now that the numbers have been read.
+    notes.extend(raster.report.notes.iter().map(|note| note.message.clone()));
+    Ok((source, raster.inputs()?, notes))
+}
+
+/// A unit of length as files have it, m.
+fn metres(unit: &str) -> Option<f64> {
+    let unit = unit.trim().to_lowercase();
+    Some(match unit.trim_end_matches('s').trim_end() {
+        "" | "m" | "meter" | "metre" | "1" => 1.0,
+        "km" | "kilometer" | "kilometre" => 1000.0,
+        "cm" | "centimeter" | "centimetre" => 0.01,
+        "mm" | "millimeter" | "millimetre" => 1e-3,
+        "dm" | "decimeter" | "decimetre" => 0.1,
+        "ft" | "foot" | "feet" | "international foot" => 0.3048,
+        // 1200 / 3937: NIST SP 811, appendix B.6.
+        "us survey foot" | "us survey feet" | "ftus" | "us-ft" | "us_survey_foot" => 1200.0 / 3937.0,
+        _ => return None,
+    })
 }

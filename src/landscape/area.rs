@@ -90,7 +90,7 @@ impl<'a> Area<'a> {
             Some(near) => {
                 let chosen = Chosen::new(near, number, recipe, craters);
                 if chosen.circles_m.is_empty() {
-                    return Err(("craters", "no crater of the site is so".into()));
+                    return Err(("craters", "no crater on the site fits".into()));
                 }
                 Some(chosen)
             }

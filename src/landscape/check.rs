@@ -107,7 +107,7 @@ impl Recipe {
                 found.say(key, format!("{count} are more than {MOST_ITEMS}"));
             }
         }
-        // A range that hangs on a bad size is not worth telling.
+        // A range that depends on a bad size is not worth telling.
         let size_m = if (SIZE_M.0..=SIZE_M.1).contains(&self.size_m) { self.size_m } else { f64::NAN };
         self.check_extent(&mut found, size_m);
         for (i, relief) in self.relief.iter().enumerate() {
@@ -118,6 +118,16 @@ impl Recipe {
         }
         for (i, craters) in self.craters.iter().enumerate() {
             check_craters(&mut found, &format!("craters[{i}]"), craters, size_m);
+        }
+        let area_km2 = if size_m.is_nan() { 0.0 } else { self.area_km2() };
+        let of_all = [
+            ("craters", self.craters.iter().map(|c| c.number(area_km2)).sum::<f64>(), MOST_CRATERS),
+            ("boulders", self.boulders.iter().map(|b| b.number(area_km2)).sum(), MOST_BOULDERS),
+        ];
+        for (key, count, most) in of_all {
+            if count > most {
+                found.say(key, format!("{} in all groups together are more than {most}", number(count)));
+            }
         }
         for (i, boulders) in self.boulders.iter().enumerate() {
             self.check_boulders(&mut found, &format!("boulders[{i}]"), boulders, size_m);
@@ -185,7 +195,10 @@ impl Recipe {
 
     fn check_boulders(&self, found: &mut Found, group: &str, boulders: &Boulders, size_m: f64) {
         let key = |key: &str| format!("{group}.{key}");
-        let count = boulders.number(if size_m.is_nan() { 0.0 } else { self.area_km2() });
+        if let Some(per_km2) = boulders.per_km2 {
+            found.range(&key("per_km2"), per_km2, 0.0, f64::MAX);
+        }
+        let count = boulders.number(if size_m.is_nan() { 0.0 } else { self.area_km2() }).max(0.0);
         if !(0.0..=MOST_BOULDERS).contains(&count) {
             found.say(&key("count"), format!("{} is more than {MOST_BOULDERS}", number(count)));
         }
@@ -385,7 +398,12 @@ fn check_relief(found: &mut Found, item: &str, relief: &Relief, size_m: f64) {
 
 fn check_craters(found: &mut Found, group: &str, craters: &Craters, size_m: f64) {
     let key = |key: &str| format!("{group}.{key}");
-    let count = craters.number(if size_m.is_nan() { 0.0 } else { 1e-6 * size_m * size_m });
+    for (name, value) in [("per_km2", craters.per_km2), ("saturation", craters.saturation)] {
+        if let Some(value) = value {
+            found.range(&key(name), value, 0.0, f64::MAX);
+        }
+    }
+    let count = craters.number(if size_m.is_nan() { 0.0 } else { 1e-6 * size_m * size_m }).max(0.0);
     if !(0.0..=MOST_CRATERS).contains(&count) {
         found.say(&key("count"), format!("{} is more than {MOST_CRATERS}", number(count)));
     }

@@ -55,7 +55,7 @@ pub(super) fn divide(recipe: &Recipe, boulders: &[Boulder]) -> Result<Division, 
     let cells = whole((2.0 * grading.core_m / grading.step_m).round());
     let spare = SPARE.max(cells / 10);
     let near = cells.saturating_sub(spare).max(1)..=cells + spare;
-    // Of the strips only the first hangs on the grid: it has a facet for each cell of its border.
+    // Of the strips only the first depends on the grid: it has a facet for each cell of its border.
     let around = grading.layout(1, 1);
     let (strips, each) = if around.rings.len() > 1 { (around.strip_facets() as u64 - 4, 2) } else { (0, 0) };
     let facets = |columns: usize, rows: usize| {

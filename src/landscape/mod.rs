@@ -79,12 +79,14 @@ pub struct Landscape {
     pub beyond: Vec<u32>,
     /// The materials, by their index in the mesh.
     pub materials: Vec<LandscapeMaterial>,
-    /// All craters that the recipe asks for on its site, in the order of their groups: the production, of which later craters erase some.
+    /// All craters that the recipe asks for, in the order of their groups: the production, of which later craters erase some. Placed ones may lie beyond the site.
     pub craters: Vec<MadeCrater>,
     /// All boulders that the recipe asks for, in the order of their groups.
     pub boulders: Vec<MadeBoulder>,
     /// The texture, if the recipe asks for one.
     pub grain: Option<Grain>,
+    /// Facets of the ground that face the body they lie on.
+    pub folded: usize,
 }
 
 impl Landscape {
@@ -95,14 +97,20 @@ impl Landscape {
         self.mesh.vertices_m.par_iter_mut().for_each(|v| *v = rounded_m(*v + from_m, ON_BODY_PER_M));
     }
 
-    /// What looks unusual about it: the place on its body.
+    /// Warnings about how it lies on its body.
     pub fn doubts(&self) -> Vec<String> {
         let far = self.wrap.filter(|wrap| wrap.target_above_m.abs() > FAR_FROM_BODY_M);
         let told = far.map(|wrap| {
             let side = if wrap.target_above_m > 0.0 { "above" } else { "below" };
             format!("the target lies {:.1} m {side} the body's surface", wrap.target_above_m.abs())
         });
-        told.into_iter().collect()
+        let folded = (self.folded > 0).then(|| {
+            format!(
+                "{} of the ground's facets face the body: relief is too high for how the body is curved there, and the mesh is folded",
+                self.folded
+            )
+        });
+        told.into_iter().chain(folded).collect()
     }
 }
 
@@ -113,11 +121,11 @@ pub struct MadeCrater {
     pub group: usize,
     /// Centre, east and north of the site's middle, m.
     pub centre_m: [f64; 2],
-    /// Rim-to-rim diameter, m.
+    /// Rim-to-rim diameter when it was fresh, m. Wear moves the crest outward: by up to 29 % where everything is worn away that can be.
     pub diameter_m: f64,
     /// From 0 (now) to 1 (the oldest).
     pub age: f64,
-    /// Rim to floor, m.
+    /// Rim to floor, m, with the rim where it was: from the worn crest it is up to a tenth less.
     pub depth_m: f64,
     /// Whether the mesh is fine enough to show it.
     pub shown: bool,
@@ -162,6 +170,7 @@ pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<
     let base = wrap.map_or(Base::Plane, |wrap| Base::Body(Box::new(wrap)));
     let sheet = sheet::Sheet::new(&division, &ground, base, watch)?;
     let wrap = report.map(|report| WrapReport { seam_m: sheet.seam_m(), ..report });
+    let folded = sheet.folded();
 
     let materials = material::materials(recipe);
     let balls: Vec<Ball> = (1..=division::FINEST).map(Ball::new).collect();
@@ -211,7 +220,7 @@ pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<
         depth_m: c.depth_m,
         shown: presence(c.diameter_m, division.grading.step_at_m(c.x_m, c.y_m)) > 0.0,
     });
-    Ok(Landscape { mesh, beyond, origin_m, wrap, materials, craters: craters.collect(), boulders: made, grain })
+    Ok(Landscape { mesh, beyond, origin_m, wrap, materials, craters: craters.collect(), boulders: made, grain, folded })
 }
 
 /// Refuses a mesh of which a vertex has no place, because the body under it has no surface there, or several.

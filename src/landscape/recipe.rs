@@ -9,7 +9,7 @@ use super::{BOULDERS, GROUND};
 
 /// A landscape in a few numbers: the same recipe always makes the same mesh.
 ///
-/// A square site, local axes x east, y north, z up, origin in the middle at the relief's mean height. Relief comes first, craters dig into it in the
+/// A square site, local axes x east, y north, z up, origin in the middle, at the height that relief has on average over far larger ground (a site of a few of its waves has another mean; mounds and craters add theirs). Relief comes first, craters dig into it in the
 /// order of their ages, boulders rest on what that makes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -152,9 +152,10 @@ pub struct Surroundings {
 pub enum Relief {
     /// Rolling ground: octaves of noise, each with half the wavelength of the one before.
     Rolling {
-        /// Standard deviation of the height, all octaves together, m.
+        /// Standard deviation of the height over ground of many waves, all octaves together, m. A site that holds few of the longest waves may have half or twice
+        /// of it.
         rms_m: f64,
-        /// Longest wavelength, m.
+        /// Cell of the coarsest lattice of noise, m: most of its waves are 1 to 2.5 times as long.
         longest_m: f64,
         /// How heights shrink with wavelength, as wavelength^hurst: 1 is smooth, towards 0 rough (0 excluded). Default 1.
         #[serde(default = "one")]
@@ -162,9 +163,10 @@ pub enum Relief {
     },
     /// Rugged ground: as rolling, with sharp crests.
     Ridged {
-        /// Standard deviation of the height, all octaves together, m.
+        /// Standard deviation of the height over ground of many waves, all octaves together, m. A site that holds few of the longest waves may have half or twice
+        /// of it.
         rms_m: f64,
-        /// Longest wavelength, m.
+        /// Cell of the coarsest lattice of noise, m: most of its waves are 1 to 2.5 times as long.
         longest_m: f64,
         /// How heights shrink with wavelength, as wavelength^hurst. Default 0.9.
         #[serde(default = "default_rugged")]
@@ -172,7 +174,7 @@ pub enum Relief {
     },
     /// Rows of dunes, of which each rises slowly and falls steeply.
     Dunes {
-        /// From trough to crest, m.
+        /// From trough to crest, m. Slopes follow from it, `wavelength_m`, `rise` and `wander`, and are not limited: sand stands up to about 34 deg.
         height_m: f64,
         /// From crest to crest, m.
         wavelength_m: f64,
@@ -196,7 +198,7 @@ pub enum Relief {
         y_m: f64,
         /// Height of its top over the ground, m; negative for a hollow.
         height_m: f64,
-        /// Steepest slope of its flanks, deg.
+        /// Steepest slope of its flanks, deg, before they are ragged.
         flank_deg: f64,
         /// Length of the line that its top is drawn along, m; 0 for a round one. Default 0.
         #[serde(default)]
@@ -258,25 +260,25 @@ pub struct Craters {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub per_km2: Option<f64>,
     /// The same as a share of geometric saturation, of which 1.54 D^-2 craters larger than D lie on a unit of area (Gault 1970, Radio Science 5); real
-    /// surfaces keep 0.01 to 0.1 of it.
+    /// surfaces keep 0.01 to 0.1 of it. It is that share at the smallest diameter; at larger ones more, if the exponent is below 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub saturation: Option<f64>,
-    /// Smallest rim-to-rim diameter, m. Default 8.
+    /// Smallest rim-to-rim diameter, m, when fresh: wear moves a crest outward. Default 8.
     pub min_diameter_m: f64,
     /// Largest rim-to-rim diameter, m. Default 500.
     pub max_diameter_m: f64,
     /// Number larger than D goes as D^-exponent. Default 1.8: of Phobos' 1300 craters over 200 m, 70 are over 1 km (Basilevsky et al. 2014, Planet. Space Sci.
-    /// 102, 95), which is 1.815.
+    /// 102, 95), which is 1.815; their 30 over 2 km are more than that, and below 200 m it is extrapolated.
     pub exponent: f64,
     /// Depth from rim to floor of a fresh crater, in diameters. Default 0.2.
     pub depth: f64,
     /// Height of a fresh rim over the surroundings, in diameters. Default 0.04.
     pub rim: f64,
-    /// How far age goes: of a crater of age a, from 0 (now) to 1 (the oldest), this times the square root of a is worn away. Wear lowers a crater and rounds
-    /// its rim. Default 0.9.
+    /// Share of its relief that the oldest crater has lost; one of age a, from 0 (now) to 1 (the oldest), has lost this times the square root of a. Wear lowers a
+    /// crater and rounds its rim, whose crest moves outward. Default 0.9.
     pub softness: f64,
-    /// Diameter, m, of a crater that soil creep has made half as deep if it is the oldest; smaller ones wear faster, as 1 / D^2 (diffusion: Fassett and Thomson
-    /// 2014, JGR Planets 119, 2255). Default 0: none.
+    /// Diameter, m, of a crater that soil creep alone has made half as deep if it is the oldest. A crater keeps 1 / (1 + age (this / D)^2) of its depth, as a bowl of
+    /// Gaussian shape does that diffuses (that craters do: Fassett and Thomson 2014, JGR Planets 119, 2255). Default 0: none.
     pub creep_m: f64,
     /// What a crater does to what was there before. Default "erase".
     pub overlap: Overlap,
@@ -326,7 +328,8 @@ pub struct Boulders {
     pub min_diameter_m: f64,
     /// Largest diameter (longest axis), m. Default 12.
     pub max_diameter_m: f64,
-    /// Number larger than D goes as D^-exponent. Default 2.5.
+    /// Number larger than D goes as D^-exponent. Default 2.5, a choice: counts on small bodies are somewhat steeper, as 2.65 on Ryugu (Michikami et al. 2019,
+    /// Icarus 331, 179).
     pub exponent: f64,
     /// What they look like. Default "angular".
     pub shape: Shape,
@@ -399,7 +402,7 @@ pub struct MaterialRecipe {
     /// Linear red, green and blue, 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colour: Option<[f64; 3]>,
-    /// Shares of other materials, whose sum is 1: a scene mixes their spectra.
+    /// Shares of other materials, whose sum is 1. In a scene the mixture is an entry of its `[materials]`, too; the error without it gives the line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mixture: Option<BTreeMap<String, f64>>,
 }
@@ -507,7 +510,7 @@ pub struct Patches {
 pub struct Texture {
     /// Texels along a side of the site.
     pub texels: u32,
-    /// Standard deviation of the factors. Default 0.1.
+    /// Standard deviation of the factors, which are kept from 0 to 2: of 0.5 that leaves 0.48. Default 0.1.
     #[serde(default = "default_contrast")]
     pub rms: f64,
     /// Longest wavelength, m. Default: 16 texels.

@@ -144,6 +144,13 @@ impl Sheet {
         above_m(p_m, corners, up).unwrap_or(0.0)
     }
 
+    /// How many facets face the body that they lie on: relief is so high there that it folds. On a plane none does.
+    pub(super) fn folded(&self) -> usize {
+        let Base::Body(wrap) = &self.base else { return 0 };
+        let corners_m = |facet: &[u32; 3]| facet.map(|v| self.vertices_m[v as usize]);
+        self.facets.iter().filter(|facet| !wrap.faces_outward(corners_m(facet))).count()
+    }
+
     /// How far the mesh's end lies off the base, at its vertices or half way between them, m, at most.
     pub(super) fn seam_m(&self) -> f64 {
         let end = self.layout.end();

@@ -1,5 +1,7 @@
 //! A panchromatic texture over a site: what is too fine for facets.
 
+use rayon::prelude::*;
+
 use super::noise::{Form, Octaves};
 use super::random::{Purpose, key};
 use super::recipe::Texture;
@@ -25,6 +27,7 @@ impl Grain {
         let octaves = Octaves::new(|k| key(seed, Purpose::Texture, k), 1.0, longest_m, texture.hurst, 2.0 * step_m);
         let place_m = |i: usize| step_m * (i as f64 + 0.5) - 0.5 * size_m;
         let mut factors: Vec<f64> = (0..texels * texels)
+            .into_par_iter()
             .map(|i| octaves.height_m(Form::Rolling, place_m(i % texels), -place_m(i / texels), 0.0))
             .collect();
         let count = factors.len() as f64;

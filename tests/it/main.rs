@@ -101,6 +101,7 @@ mod raster;
 mod raster_convert;
 mod raster_masks;
 mod raster_places;
+mod recipe_files;
 mod referees;
 mod renderers;
 mod repairs;

@@ -9,6 +9,9 @@ use crate::product::Atlas;
 /// Texture coordinates this far beyond the image are on its border: they are f32, or have six decimals.
 const ROUNDING: f64 = 2e-6;
 
+/// Texel coordinates of a facet that an image does not cover: a triangle beside it.
+pub(super) const UNCOVERED: [[f64; 2]; 3] = [[-3.0, -3.0], [-2.0, -3.0], [-3.0, -2.0]];
+
 /// An image that is continued by its own other side: where in it the texels of a larger one are.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::formats) struct Tiling {

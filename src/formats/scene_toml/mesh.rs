@@ -14,6 +14,7 @@ use crate::geometry::{Copies, FrameCamera, MaterialId, Mesh, Pose, body_from_sit
 use crate::landscape::{self, LandscapeMaterial};
 use crate::report::{Fate, Note};
 
+use super::grain::OfRecipe;
 use super::materials::Dictionary;
 use super::types::{Coordinates, GivenPose, MeshToml, PoseToml, RecipeToml};
 use super::{ROUNDED, TomlReader, UNIT_TOLERANCE};
@@ -75,6 +76,10 @@ impl TomlReader<'_> {
                     );
                 }
                 begins.push(all.vertices_m.len());
+                let first = all.facets.len();
+                if let Some(own) = self.grains.last_mut().filter(|own| own.item == format!("{item}.recipe")) {
+                    own.facets = first..first + mesh.facets.len();
+                }
             }
             match (mesh, &mut all) {
                 (Some(mesh), Some(all)) if all.facets.is_empty() => {
@@ -122,6 +127,11 @@ impl TomlReader<'_> {
                 let doubts = made.doubts();
                 self.beyond = made.beyond;
                 self.notes.extend(doubts.into_iter().map(|doubt| format!("{source}: {doubt}")));
+                if let Some(grain) = made.grain {
+                    // Where among all facets is known when the mesh is among all.
+                    let facets = 0..made.mesh.facets.len();
+                    self.grains.push(OfRecipe { item: source.clone(), grain, facets });
+                }
                 let mixed = unknown_mixtures(&made.materials, &dictionary.names);
                 (made.mesh, mtl::of_landscape(&made.materials), mixed)
             }
@@ -360,6 +370,7 @@ impl TomlReader<'_> {
         };
         let opened = self.taken(item, opened)?;
         self.inputs.extend(opened.inputs.iter().cloned());
+        self.notes.extend(opened.notes.iter().map(|note| format!("{item}: {note}")));
         let made = opened.generate(self.watch);
         self.taken(item, made)
     }

@@ -12,6 +12,7 @@ pub(super) mod chain_types;
 mod flight;
 mod instruments;
 pub(super) mod format;
+mod grain;
 mod lamps;
 mod lens;
 mod material_map;
@@ -224,6 +225,8 @@ pub(super) struct TomlReader<'a> {
     /// Vertices of the surroundings of recipes' sites, ascending: of the mesh that is being made, and of all.
     beyond: Vec<u32>,
     around: Vec<u32>,
+    /// What recipes cover their landscapes with.
+    grains: Vec<grain::OfRecipe>,
     /// When else the scene is looked at, beside its own moment.
     moments: Option<Moments<'a>>,
     /// The item of another file that changes some of the scene, as `acquisitions[2]`: its keys are those of `flight`.
@@ -250,6 +253,7 @@ impl<'a> TomlReader<'a> {
             copies: Vec::new(),
             beyond: Vec::new(),
             around: Vec::new(),
+            grains: Vec::new(),
             moments: None,
             entry: None,
             watch,
@@ -400,7 +404,9 @@ impl TomlReader<'_> {
             let toml = toml.materials.get(name)?.texture.as_ref()?;
             self.texture(name, id, toml, mesh)
         };
-        names.iter().enumerate().filter_map(texture).collect()
+        let mut textures = names.iter().enumerate().filter_map(texture).collect();
+        self.add_grains(names, mesh, &mut textures);
+        textures
     }
 
     pub(super) fn problem(&mut self, item: &str, message: impl Into<String>) -> &mut Problem {

@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 use super::super::located::member;
 use super::super::raster::{self, Georeference, Raster};
 use super::super::registry;
+use super::atlas::UNCOVERED;
 use super::types::{
     BandsToml, Coordinates, FactorUnitToml, MeanToml, PlaneToml, RasterToml, TexelsToml, TexturePlacementToml,
     TextureQuantityToml, TextureToml,
@@ -538,7 +539,10 @@ impl TomlReader<'_> {
                 let own = (0..mesh.facets.len()).filter(|f| mesh.material[*f].0 as usize == id);
                 let uv = own.map(|f| mesh.uv.get(f));
                 let help = "an OBJ has them as `vt` lines, and its faces as `f 1/1 2/2 3/3`";
-                if uv.clone().any(|uv| uv.is_none_or(|uv| uv.iter().flatten().any(|x| x.is_nan()))) {
+                let lacks =
+                    |uv: Option<&[[f64; 2]; 3]>| uv.is_none_or(|uv| uv.as_flattened().iter().any(|x| x.is_nan()));
+                let (facets, lacking) = (uv.clone().count(), uv.filter(|uv| lacks(*uv)).count());
+                if lacking == facets && facets > 0 {
                     self.helped(
                         &member(item, "placement"),
                         format!("facets of {material:?} have no texture coordinates"),
@@ -546,11 +550,21 @@ impl TomlReader<'_> {
                     );
                     return None;
                 }
+                if lacking > 0 {
+                    let message = format!(
+                        "{lacking} of the {facets} facets of {material:?} have no texture coordinates: the texture is not on them"
+                    );
+                    self.note(&member(item, "placement"), message);
+                }
                 // Those of other materials are of no meaning.
                 let is_own = |facet: usize| mesh.material[facet].0 as usize == id;
                 let own = |(facet, uv): (usize, &[[f64; 2]; 3])| if is_own(facet) { *uv } else { NO_UV };
                 let uv = mesh.uv.iter().enumerate().map(own).collect();
-                self.atlas(&member(item, "placement"), uv, [raster.rows, raster.columns], toml.wrap, most)
+                let (mut atlas, tiling) =
+                    self.atlas(&member(item, "placement"), uv, [raster.rows, raster.columns], toml.wrap, most)?;
+                let of_own = atlas.corners.iter_mut().enumerate().filter(|(facet, _)| is_own(*facet));
+                of_own.filter(|(_, corners)| lacks(Some(corners))).for_each(|(_, corners)| *corners = UNCOVERED);
+                Some((atlas, tiling))
             }
             // It has no coordinates of corners.
             (TexturePlacementToml::LonLat, _) => None,

@@ -29,6 +29,9 @@ pub use report::WrapReport;
 /// From this share of the surroundings' reach on relief fades away.
 const FADE: f64 = 0.6;
 
+/// A direction whose angle with the upright has no larger sine says nothing of azimuths.
+const STRAIGHT_UP: f64 = 1e-6;
+
 /// No place of a site is farther around its body than this, rad: beyond it directions crowd.
 const FARTHEST_RAD: f64 = 2.6;
 
@@ -97,7 +100,21 @@ impl Wrap {
             return Err(invalid(at("body", message).with_help("is the shape in km? `unit_m = 1000.0`")));
         }
         let target_m = body.target_m.map_or(ground_m, DVec3::from_array);
-        let projection = Projection::new(ground_m, normal, depth_m, body.axes(normal));
+        // Nobody means a target a thousand times nearer to the centre than the ground.
+        let is_km = |target_m: DVec3| (0.5..2.0).contains(&(1000.0 * target_m.length() / ground_m.length()));
+        if is_km(target_m) {
+            let message = format!(
+                "the target is {} m from the body's centre, its ground {} m",
+                number(target_m.length()),
+                number(ground_m.length())
+            );
+            return Err(invalid(at(body.target_key(), message).with_help("targets are in m: is it in km?")));
+        }
+        let Some(axes) = body.axes(normal) else {
+            let message = "it points straight up or down at the target: it says nothing of where the site points";
+            return Err(invalid(at("body.along", message)));
+        };
+        let projection = Projection::new(ground_m, normal, depth_m, axes);
         let reach_m = recipe.surroundings.as_ref().map_or(0.0, |s| s.reach_m);
         let (site_m, end_m) = (0.5 * recipe.size_m, 0.5 * recipe.size_m + reach_m);
         // Boulders may stand out a little.
@@ -157,6 +174,12 @@ impl Wrap {
         (foot_m + self.moved_m - self.origin_m, normal)
     }
 
+    /// Whether a facet, relative to [`origin_m`](Self::origin_m), faces away from the centre that places are directions from: on the map all do.
+    pub(super) fn faces_outward(&self, [a_m, b_m, c_m]: [DVec3; 3]) -> bool {
+        let from_centre_m = a_m + self.origin_m - self.moved_m - self.projection.centre_m;
+        from_centre_m.dot((b_m - a_m).cross(c_m - a_m)) > 0.0
+    }
+
     /// The share of relief at a place: 1 on the site and near it, 0 where the surroundings end.
     pub(super) fn relief(&self, x_m: f64, y_m: f64) -> f64 {
         let half_m = x_m.abs().max(y_m.abs());
@@ -186,15 +209,20 @@ impl BodyRecipe {
         if self.target_m.is_some() { "body.target_m" } else { "body.lonlat_deg" }
     }
 
-    /// The site's x and y axes, body axes: unit vectors at right angles to the upright.
-    fn axes(&self, up: DVec3) -> [DVec3; 2] {
+    /// The site's x and y axes, body axes: unit vectors at right angles to the upright; none if the direction they are given by is upright itself.
+    fn axes(&self, up: DVec3) -> Option<[DVec3; 2]> {
         let (east, north) = body_from_site(up).map_or((DVec3::X, DVec3::Y), |axes| (axes.x_axis, axes.y_axis));
         let (sin, cos) = self.azimuth_deg.unwrap_or(0.0).to_radians().sin_cos();
-        let level = |along: [f64; 3]| DVec3::from_array(along).reject_from_normalized(up).normalize_or_zero();
-        // A direction straight up says nothing of where the site points.
-        let along = self.along.map(level).filter(|along| *along != DVec3::ZERO);
-        let y = along.unwrap_or(cos * north + sin * east);
-        [y.cross(up), y]
+        let y = match self.along.map(DVec3::from_array) {
+            None => cos * north + sin * east,
+            Some(along) => {
+                // Of any length.
+                let along = (along / along.abs().max_element()).normalize();
+                let level = along.reject_from_normalized(up);
+                level.try_normalize().filter(|_| level.length() > STRAIGHT_UP)?
+            }
+        };
+        Some([y.cross(up), y])
     }
 }
 
@@ -205,6 +233,12 @@ fn meshes(names: &[String], sources: &Sources, offset_m: DVec3) -> Result<Vec<Me
         let Some(mesh) = sources.meshes.get(name) else {
             return Err(Error::Invalid(vec![at(&format!("body.files[{i}]"), format!("{name} has not been read"))]));
         };
+        // A mesh that covers everything would hide those before it.
+        if i > 0 && mesh.enclosed_m3().is_some() {
+            let message = format!("{name} is closed: those before it would not count");
+            let problem = at(&format!("body.files[{i}]"), message).with_help("the coarsest is named first");
+            return Err(Error::Invalid(vec![problem]));
+        }
         let mut mesh = mesh.clone();
         mesh.vertices_m.iter_mut().for_each(|v| *v += offset_m);
         meshes.push(mesh);

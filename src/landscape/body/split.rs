@@ -1,7 +1,7 @@
 //! A smooth function over a triangle from values and slopes at its corners: the reduced Clough-Tocher split (R. W. Clough and J. L. Tocher 1965, Proc. Conf.
 //! Matrix Methods in Structural Mechanics; in Bernstein form as M.-J. Lai and L. L. Schumaker 2007, "Spline functions on triangulations", section 6.2).
 //!
-//! Three cubics that meet in the centroid. Along an edge the function hangs on the edge's two corners alone, and so does its slope across the edge, which
+//! Three cubics that meet in the centroid. Along an edge the function depends on the edge's two corners alone, and so does its slope across the edge, which
 //! goes linearly from one to the other: functions over neighbouring triangles meet with the same slopes. It reproduces quadratic functions.
 
 use glam::DVec2;

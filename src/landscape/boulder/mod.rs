@@ -64,8 +64,7 @@ pub(super) fn all(recipe: &Recipe, share: &dyn Fn(usize, f64, f64) -> f64) -> Re
                 }
                 tries += 1;
                 if tries > TRIES + 100 * i {
-                    let message =
-                        format!("there is next to no place for boulders: of {} tried, {i} were taken", tries + i);
+                    let message = format!("leaves almost no room: {i} of {} places tried were taken", tries + i);
                     return Err(check::at(&format!("boulders[{g}].where"), message));
                 }
             };
@@ -110,6 +109,6 @@ mod tests {
         assert!((north - 1500.0).abs() < 4.0 * (2000.0f64 * 0.75 * 0.25).sqrt(), "{north}");
 
         let problem = all(&recipe, &|_, _, _| 0.0).unwrap_err();
-        assert!(problem.to_string().starts_with("recipe.boulders[0].where: there is next to no place"), "{problem}");
+        assert!(problem.to_string().starts_with("recipe.boulders[0].where: leaves almost no room"), "{problem}");
     }
 }

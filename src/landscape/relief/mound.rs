@@ -42,6 +42,10 @@ impl Mound {
         let across_m = dx_m * self.along[1] - dy_m * self.along[0];
         let beyond_m = (along_m.abs() - self.half_length_m).max(0.0);
         let distance_m = beyond_m.hypot(across_m) - self.top_m;
+        // Of no height it has no flank, and is nowhere.
+        if self.height_m == 0.0 {
+            return 0.0;
+        }
         let outward = distance_m / self.flank_m + self.octaves.height_m(Form::Rolling, x_m, y_m, step_m);
         let t = (1.0 - outward).clamp(0.0, 1.0);
         presence(2.0 * (self.flank_m + self.top_m), step_m) * self.height_m * t * t * (3.0 - 2.0 * t)
