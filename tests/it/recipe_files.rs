@@ -186,7 +186,7 @@ fn a_recipes_texture_is_on_its_landscape_within_a_scene() {
     // Flat ground straight below the camera and the Sun: a pixel is the mean of its 4 x 4 texels.
     let scene = |around: &str, material: &str| {
         format!(
-            "mmxrt_scene = 1\norigin_m = [0, 0, 11000]\n[[mesh]]\nrecipe = {{ version = 2, seed = 3, size_m = 128.0, facets = 1000, {around}texture = {{ texels = 64, rms = 0.2 }} }}\npose = {{ world_from_mesh_xyzw = [0, 0, 0, 1] }}\n[materials]\nphobos_blue = {{ reflectance = 0.1{material} }}\n[sun]\ndirection = [0, 0, 1]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0, 0, 12000]\ntarget_m = [0, 0, 11000]\nup = [0, 1, 0]\n[sensor]\nprojection = \"orthographic\"\nsamples = 16\nlines = 16\nwidth_m = 128.0\nbands = {{ centres_um = [1.0] }}\n"
+            "mmxrt_scene = 1\norigin_m = [0, 0, 11000]\n[[mesh]]\nrecipe = {{ version = 2, seed = 3, size_m = 128.0, facets = 1000, {around}texture = {{ texels = 64, rms = 0.2 }} }}\npose = {{ world_from_mesh_xyzw = [0, 0, 0, 1] }}\n[materials]\nphobos_blue = {{ reflectance = 0.1{material} }}\n[sun]\ndirection = [0, 0, 1]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0, 0, 12000]\ntarget_m = [0, 0, 11000]\nup = [0, 1, 0]\n[sensor]\nsamples = 16\nlines = 16\nifov_mrad = 8.0\nbands = {{ centres_um = [1.0] }}\n"
         )
     };
     let scratch = Scratch::new();
