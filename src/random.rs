@@ -86,15 +86,6 @@ impl Draws {
             }
         }
     }
-
-    /// A size from `lo` to `hi` out of a population in which the number larger than D goes as D^-exponent.
-    ///
-    /// Inverse of the truncated power law's distribution function, taken relative to `lo` so that no power overflows.
-    pub fn power_law(&mut self, lo: f64, hi: f64, exponent: f64) -> f64 {
-        let largest = (hi / lo).powf(-exponent);
-        let share = 1.0 - self.unit() * (1.0 - largest);
-        (lo * share.powf(-1.0 / exponent)).clamp(lo, hi)
-    }
 }
 
 #[cfg(test)]
@@ -109,19 +100,6 @@ mod tests {
         let mut draws = Draws::new(1234567);
         for value in published {
             assert_eq!(draws.unit(), (value >> 11) as f64 / (1u64 << 53) as f64);
-        }
-    }
-
-    #[test]
-    fn sizes_follow_the_power_law() {
-        let mut draws = Draws::new(7);
-        let sizes: Vec<f64> = (0..100_000).map(|_| draws.power_law(2.0, 200.0, 2.0)).collect();
-        assert!(sizes.iter().all(|d| (2.0..=200.0).contains(d)));
-        // N(>4)/N(>2) = 1/4 and N(>20)/N(>2) = 1/100, less the cut at 200 (1e-4); 4 sigma of counting.
-        for (size, share) in [(4.0, 0.25), (20.0, 0.01)] {
-            let expected = 1e5 * (share - 1e-4) / (1.0 - 1e-4);
-            let counted = sizes.iter().filter(|d| **d > size).count() as f64;
-            assert!((counted - expected).abs() < 4.0 * expected.sqrt(), "{counted} above {size}, expected {expected}");
         }
     }
 

@@ -408,9 +408,8 @@ fn check_craters(found: &mut Found, group: &str, craters: &Craters, size_m: f64)
         found.say(&key("count"), format!("{} is more than {MOST_CRATERS}", number(count)));
     }
     // Mean square of diameters, m2, over even shares of the population.
-    let largest = (craters.max_diameter_m / craters.min_diameter_m).powf(-craters.exponent);
-    let diameter_m =
-        |share: f64| craters.min_diameter_m * (1.0 - share * (1.0 - largest)).powf(-1.0 / craters.exponent);
+    let is_range = craters.min_diameter_m <= craters.max_diameter_m;
+    let diameter_m = |share: f64| if is_range { craters.law().size(share) } else { f64::NAN };
     let mean_m2 = (0..100).map(|i| diameter_m(f64::from(i) / 100.0 + 0.005).powi(2)).sum::<f64>() / 100.0;
     let over_a_place = count * REACH * REACH * std::f64::consts::FRAC_PI_4 * mean_m2 / (size_m * size_m);
     if over_a_place > MOST_OVER_A_PLACE {

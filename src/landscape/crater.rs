@@ -1,6 +1,6 @@
 //! One crater: a parabola up to the rim, ejecta beyond, and what is left of the ground that was there before.
 
-use super::noise::presence;
+use super::noise::{presence, smooth_step};
 use super::recipe::{Craters, Overlap};
 
 /// How far the ejecta reach, in rim radii from the centre.
@@ -66,7 +66,7 @@ impl Crater {
         let erased = match self.before {
             Some([centre_m, east, north]) => {
                 let t = ((ERASED.1 - r_squared.sqrt()) / (ERASED.1 - ERASED.0)).clamp(0.0, 1.0);
-                t * t * (3.0 - 2.0 * t) * (centre_m + east * dx_m + north * dy_m - height_m)
+                smooth_step(t) * (centre_m + east * dx_m + north * dy_m - height_m)
             }
             None => 0.0,
         };

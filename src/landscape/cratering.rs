@@ -2,6 +2,7 @@
 
 use super::crater::Crater;
 use super::lookup::Lookup;
+use super::power_law::PowerLaw;
 use super::random::{Purpose, key_in};
 use super::recipe::{Craters, Recipe};
 use super::relief::Layer;
@@ -16,11 +17,11 @@ pub(super) fn produced(recipe: &Recipe) -> Vec<Crater> {
     let half_m = 0.5 * recipe.size_m;
     let mut all = Vec::new();
     for (g, craters) in recipe.craters.iter().enumerate() {
-        let number = whole(craters.number(recipe.area_km2())) as u64;
+        let (number, law) = (whole(craters.number(recipe.area_km2())) as u64, craters.law());
         all.extend((0..number).map(|i| {
             let mut draws = Draws::new(key_in(recipe.seed, Purpose::Crater, g, i));
             let place = [draws.between(-half_m, half_m), draws.between(-half_m, half_m)];
-            let diameter_m = draws.power_law(craters.min_diameter_m, craters.max_diameter_m, craters.exponent);
+            let diameter_m = law.size(draws.unit());
             Crater::new(craters, g, place, diameter_m, draws.unit())
         }));
         all.extend(craters.placed.iter().map(|p| Crater::new(craters, g, [p.x_m, p.y_m], p.diameter_m, p.age)));
@@ -46,21 +47,16 @@ fn classes(recipe: &Recipe) -> Vec<Class> {
     let site_m = 0.5 * recipe.size_m;
     let mut classes = Vec::new();
     for (group, craters) in recipe.craters.iter().enumerate() {
-        let Craters { min_diameter_m, max_diameter_m, exponent, .. } = *craters;
-        // Of those that are larger than the smallest, the share larger than D.
-        let largest = (max_diameter_m / min_diameter_m).powf(-exponent);
-        let larger = |d_m: f64| match min_diameter_m < max_diameter_m {
-            true => ((d_m / min_diameter_m).powf(-exponent) - largest) / (1.0 - largest),
-            false => 0.0,
-        };
+        let Craters { min_diameter_m, max_diameter_m, .. } = *craters;
+        let law = craters.law();
         let (mut lo_m, mut above) = (min_diameter_m, 1.0);
         for number in 0.. {
             let hi_m = (2.0 * lo_m).min(max_diameter_m);
             let half_m = site_m + (0.5 * hi_m / surroundings.growth).min(surroundings.reach_m);
             let times = (half_m / site_m).powi(2) - 1.0;
-            let expected = craters.number(recipe.area_km2()) * (above - larger(hi_m)) * times;
+            let expected = craters.number(recipe.area_km2()) * (above - law.larger(hi_m)) * times;
             classes.push(Class { group, number, diameters_m: [lo_m, hi_m], half_m, expected });
-            (lo_m, above) = (hi_m, larger(hi_m));
+            (lo_m, above) = (hi_m, law.larger(hi_m));
             if hi_m >= max_diameter_m {
                 break;
             }
@@ -81,13 +77,14 @@ pub(super) fn around(recipe: &Recipe) -> Vec<Crater> {
     for Class { group, number, diameters_m: [lo_m, hi_m], half_m, expected } in classes(recipe) {
         let craters = &recipe.craters[group];
         let mut draws = Draws::new(key_in(recipe.seed, Purpose::CraterAround, group, number));
+        let law = PowerLaw::new(lo_m, hi_m, craters.exponent);
         let mut left = draws.count(expected);
         while left >= 1.0 {
             let place = [draws.between(-half_m, half_m), draws.between(-half_m, half_m)];
             if place.iter().all(|x| x.abs() <= site_m) {
                 continue;
             }
-            let diameter_m = draws.power_law(lo_m, hi_m, craters.exponent);
+            let diameter_m = law.size(draws.unit());
             all.push(Crater::new(craters, group, place, diameter_m, draws.unit()));
             left -= 1.0;
         }

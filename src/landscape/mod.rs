@@ -16,6 +16,7 @@ mod lookup;
 mod material;
 mod noise;
 mod paint;
+mod power_law;
 mod preset;
 mod random;
 mod recipe;

@@ -14,6 +14,11 @@ pub(super) const MEAN_ABSOLUTE: f64 = 0.23834;
 #[cfg(test)]
 pub(super) const BOUND: f64 = 2.449_489_742_783_178;
 
+/// From 0 to 1 as t does, level at both ends.
+pub(super) fn smooth_step(t: f64) -> f64 {
+    t * t * (3.0 - 2.0 * t)
+}
+
 /// Noise on the unit lattice (K. Perlin 2002, "Improving noise", ACM Trans. Graph. 21: quintic weights, twice
 /// continuously differentiable), with gradients from a hash instead of a table so that it never repeats. Mean 0.
 pub(super) fn gradient_noise(key: u64, u: f64, v: f64) -> f64 {

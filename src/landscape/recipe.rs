@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::power_law::PowerLaw;
 use super::{BOULDERS, GROUND};
 
 /// A landscape in a few numbers: the same recipe always makes the same mesh.
@@ -670,14 +671,16 @@ impl Recipe {
 }
 
 impl Craters {
+    /// Their diameters, m.
+    pub(super) fn law(&self) -> PowerLaw {
+        PowerLaw::new(self.min_diameter_m, self.max_diameter_m, self.exponent)
+    }
+
     /// How many craters are made on a site with this area.
     pub(super) fn number(&self, area_km2: f64) -> f64 {
         let of_saturation = |share: f64| {
-            // Those larger than the smallest, less those larger than the largest; of one size all.
-            let is_one_size = self.max_diameter_m == self.min_diameter_m;
-            let largest =
-                if is_one_size { 0.0 } else { (self.max_diameter_m / self.min_diameter_m).powf(-self.exponent) };
-            share * 1.54 / (1e-6 * self.min_diameter_m * self.min_diameter_m) * area_km2 * (1.0 - largest)
+            let larger_per_km2 = 1.54 / (1e-6 * self.min_diameter_m * self.min_diameter_m);
+            share * larger_per_km2 * area_km2 * self.law().share_within()
         };
         let by_density = self.per_km2.map(|density| density * area_km2);
         by_density.or(self.saturation.map(of_saturation)).map_or(f64::from(self.count), f64::round)

@@ -30,7 +30,7 @@ pub(super) struct Site {
     /// Corners of the box around all vertices, m.
     pub(super) box_m: (DVec3, DVec3),
     pub(super) zero_area_facets: u64,
-    /// Mean area of a facet, m2: of a sample.
+    /// Median area of a facet, m2, of a sample: that of a site in detail, however large the facets around it are.
     pub(super) facet_m2: f64,
 }
 
@@ -41,12 +41,12 @@ impl Site {
     }
 
     pub(super) fn new(mesh: &Mesh, topology: &Topology) -> Self {
-        let (mut vector_m2, mut area_m2, mut sampled) = (DVec3::ZERO, 0.0, 0);
+        let (mut vector_m2, mut area_m2, mut areas_m2) = (DVec3::ZERO, 0.0, Vec::new());
         for facet in mesh.spread(SAMPLE) {
-            sampled += 1;
             let cross_m2 = mesh.facet(facet).cross_m2();
             vector_m2 += cross_m2;
             area_m2 += cross_m2.length();
+            areas_m2.push(0.5 * cross_m2.length());
         }
         let is_open = topology.open_edges > 0;
         let up = Direction::new(vector_m2).filter(|_| is_open && vector_m2.length() >= SITE_RATIO * area_m2);
@@ -66,7 +66,8 @@ impl Site {
             .reduce(|| none, Extent::with);
         let cos_steepest = if up.is_some() { cos2_steepest.sqrt() } else { 0.0 };
         let Extent { height_m, box_m } = extent;
-        let facet_m2 = 0.5 * area_m2 / f64::from(sampled.max(1));
+        areas_m2.sort_unstable_by(f64::total_cmp);
+        let facet_m2 = areas_m2.get(areas_m2.len() / 2).copied().unwrap_or(0.0);
         let is_convex = topology.is_convex(mesh);
         Site { up, is_open, cos_steepest, is_convex, height_m, box_m, zero_area_facets, facet_m2 }
     }

@@ -15,6 +15,7 @@ mod split;
 use glam::DVec3;
 
 use super::check::at;
+use super::noise::smooth_step;
 use super::recipe::{BodyRecipe, Height, Recipe, ShapeName};
 use super::sources::Sources;
 use crate::error::{Error, Problem, Result, number};
@@ -188,7 +189,7 @@ impl Wrap {
         }
         let t = ((half_m - self.site_m) / (self.end_m - self.site_m) - FADE) / (1.0 - FADE);
         let t = (1.0 - t).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
+        smooth_step(t)
     }
 
     /// What the wrap did.

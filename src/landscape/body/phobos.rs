@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::ellipsoid::Ellipsoid;
 use crate::geometry::{direction_of_deg, whole};
 use crate::landscape::crater::Crater;
+use crate::landscape::power_law::PowerLaw;
 use crate::landscape::random::{Purpose, key};
 use crate::landscape::recipe::{Craters, Overlap};
 use crate::random::Draws;
@@ -71,10 +72,11 @@ impl Phobos {
             diameter_m,
             0.36,
         );
+        let law = PowerLaw::new(SMALLEST_M, LARGEST_M, EXPONENT);
         for i in 0..CRATERS {
             let mut draws = Draws::new(key(SEED, Purpose::Crater, i));
             let middle = towards(draws.between(0.0, TAU), draws.between(-1.0, 1.0));
-            let diameter_m = draws.power_law(SMALLEST_M, LARGEST_M, EXPONENT);
+            let diameter_m = law.size(draws.unit());
             phobos.add(middle, &group(0.15, 0.85), diameter_m, draws.unit());
         }
         phobos

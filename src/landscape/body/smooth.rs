@@ -8,6 +8,7 @@ use glam::{DVec2, DVec3};
 use super::projection::Projection;
 use super::split::{Corner, barycentric, smooth};
 use crate::geometry::{Mesh, index_u32, whole};
+use crate::landscape::noise::smooth_step;
 
 /// Cells along a side of the square in which facets are looked up.
 const CELLS: usize = 512;
@@ -208,7 +209,7 @@ impl Part {
         };
         let t = linear.clamp(0.0, 1.0);
         let steep = 6.0 * t * (1.0 - t);
-        (distance_m, slope, t * t * (3.0 - 2.0 * t), steep * DVec2::new(by(DVec2::X), by(DVec2::Y)))
+        (distance_m, slope, smooth_step(t), steep * DVec2::new(by(DVec2::X), by(DVec2::Y)))
     }
 }
 

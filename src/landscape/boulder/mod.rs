@@ -4,6 +4,7 @@ mod rest;
 mod shape;
 
 use super::check::{self, FARTHEST};
+use super::power_law::PowerLaw;
 use super::random::{Purpose, key_in};
 use super::recipe::{Boulders, Recipe, Shape};
 use crate::error::Problem;
@@ -48,11 +49,11 @@ pub(super) fn all(recipe: &Recipe, share: &dyn Fn(usize, f64, f64) -> f64) -> Re
             Boulder { group: g, x_m, y_m, diameter_m, buried, shape: boulders.shape, key }
         };
         let number = whole(boulders.number(recipe.area_km2())) as u64;
+        let law = PowerLaw::new(boulders.min_diameter_m, boulders.max_diameter_m, boulders.exponent);
         let mut tries = 0;
         for i in 0..number {
             let mut draws = Draws::new(key_in(recipe.seed, Purpose::Boulder, g, i));
-            let Boulders { min_diameter_m, max_diameter_m, exponent, .. } = *boulders;
-            let diameter_m = draws.power_law(min_diameter_m, max_diameter_m, exponent);
+            let diameter_m = law.size(draws.unit());
             // None sticks out over the border.
             let half_m = 0.5 * recipe.size_m - FARTHEST * diameter_m;
             let [x_m, y_m] = loop {

@@ -1,6 +1,6 @@
 //! One big structure with a flat top and steep flanks, around a line.
 
-use crate::landscape::noise::{Form, Octaves, presence};
+use crate::landscape::noise::{Form, Octaves, presence, smooth_step};
 
 /// A mound, or a hollow.
 #[derive(Debug, Clone)]
@@ -48,7 +48,7 @@ impl Mound {
         }
         let outward = distance_m / self.flank_m + self.octaves.height_m(Form::Rolling, x_m, y_m, step_m);
         let t = (1.0 - outward).clamp(0.0, 1.0);
-        presence(2.0 * (self.flank_m + self.top_m), step_m) * self.height_m * t * t * (3.0 - 2.0 * t)
+        presence(2.0 * (self.flank_m + self.top_m), step_m) * self.height_m * smooth_step(t)
     }
 }
 
