@@ -6,7 +6,7 @@ mod shape;
 use super::check::{self, FARTHEST};
 use super::power_law::PowerLaw;
 use super::random::{Purpose, key_in};
-use super::recipe::{Boulders, Recipe, Shape};
+use super::recipe::{Recipe, Shape};
 use crate::error::Problem;
 use crate::geometry::whole;
 use crate::random::Draws;
