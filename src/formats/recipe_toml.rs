@@ -14,6 +14,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::repair::join_equal;
 use crate::landscape::{self, Landscape, PRESETS, Recipe, RecipeOne, Source, Sources};
 use crate::progress::Watch;
+use crate::report::Fate;
 
 /// A recipe of any version.
 #[derive(Debug, Clone, JsonSchema)]
@@ -232,7 +233,8 @@ fn source(path: &Path) -> Result<(Source, Vec<InputFile>, Vec<String>)> {
     let pixel_deg = raster.pixel_deg();
     let source = Source { columns: raster.columns, rows: raster.rows, values, pixel_m, pixel_deg, full_scale };
     // Some of it is known only now that the numbers have been read.
-    notes.extend(raster.report.notes.iter().map(|note| note.message.clone()));
+    let told = raster.report.notes.iter().filter(|note| note.fate != Fate::Carried);
+    notes.extend(told.map(|note| note.message.clone()));
     Ok((source, raster.inputs()?, notes))
 }
 
