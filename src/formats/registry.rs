@@ -155,7 +155,7 @@ pub fn image(path: &Path) -> Result<Raster> {
     match format.holds {
         Holds::Image { open, .. } => {
             let mut raster = open(path)?;
-            raster.take_mask_beside()?;
+            raster.take_mask_beside(raster::tiff::open)?;
             Ok(raster)
         }
         _ => Err(no_image(path, &beginning)),

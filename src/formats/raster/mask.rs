@@ -3,12 +3,12 @@
 //! Sources: TIFF 6.0 (ExtraSamples, NewSubfileType, PhotometricInterpretation), PNG 1.2 (alpha is not multiplied in), OpenEXR (it is), and for
 //! masks beside a file GDAL's RFC 15 (`.msk`: 0 where nothing is valid).
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::report::Fate;
 
-use super::{Raster, tiff};
+use super::Raster;
 
 /// The band that says what share of a pixel shows something.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,8 +57,8 @@ impl Raster {
         Ok(())
     }
 
-    /// Takes the mask that GDAL has put beside one of the raster's files.
-    pub(in crate::formats) fn take_mask_beside(&mut self) -> Result<()> {
+    /// Takes the mask that GDAL has put beside one of the raster's files: a TIFF, which `open` reads.
+    pub(in crate::formats) fn take_mask_beside(&mut self, open: impl Fn(&Path) -> Result<Raster>) -> Result<()> {
         let named = |path: &PathBuf| {
             let mut name = path.clone().into_os_string();
             name.push(".msk");
@@ -66,7 +66,7 @@ impl Raster {
         };
         let masks: Vec<PathBuf> = self.files.iter().map(named).filter(|path| path.is_file()).collect();
         for path in masks {
-            let mask = tiff::open(&path)?;
+            let mask = open(&path)?;
             self.take_mask(mask, Location::file(&path))?;
             self.files.push(path);
         }

@@ -379,7 +379,7 @@ fn layout(tags: &mut Tags<'_>, unsupported: &dyn Fn(String) -> Error) -> Result<
 }
 
 /// Opens the first image of a file.
-pub(super) fn open(path: &Path) -> Result<Raster> {
+pub(in crate::formats) fn open(path: &Path) -> Result<Raster> {
     let mut tags = Tags::open(path)?;
     let at = || Location::file(path);
     let unsupported = |what: String| {
