@@ -32,7 +32,12 @@ pub(super) struct Site {
     pub(super) zero_area_facets: u64,
     /// Median area of a facet, m2, of a sample: that of a site in detail, however large the facets around it are.
     pub(super) facet_m2: f64,
+    /// Whether facets around a part in detail are far larger: light between facets takes lines for each.
+    pub(super) is_graded: bool,
 }
+
+/// A mean area of facets this many times the median is that of a few far larger ones.
+const GRADED: f64 = 4.0;
 
 impl Site {
     /// A bound of the form factor of any facet's surroundings.
@@ -68,8 +73,9 @@ impl Site {
         let Extent { height_m, box_m } = extent;
         areas_m2.sort_unstable_by(f64::total_cmp);
         let facet_m2 = areas_m2.get(areas_m2.len() / 2).copied().unwrap_or(0.0);
+        let is_graded = 0.5 * area_m2 > GRADED * facet_m2 * areas_m2.len() as f64;
         let is_convex = topology.is_convex(mesh);
-        Site { up, is_open, cos_steepest, is_convex, height_m, box_m, zero_area_facets, facet_m2 }
+        Site { up, is_open, cos_steepest, is_convex, height_m, box_m, zero_area_facets, facet_m2, is_graded }
     }
 
     /// Distance of a point from the box around the mesh, m: none of the surface is nearer.

@@ -22,7 +22,8 @@ pub(super) const KIND: EffectKind = EffectKind {
         stated: |_| None,
         cost_s: |given, models| {
             let facets = given.scene.body.mesh.facets.len();
-            models.exchange.map_or(0.0, |of| of.bounce_s(facets) * AS_LONG)
+            let levels = if given.extremes.site.is_graded { 2.0 } else { 1.0 };
+            models.exchange.map_or(0.0, |of| of.bounce_s(facets) * AS_LONG * levels)
         },
         own: Some(|_, models| OwnTolerance {
             of: "of what neighbours send, rms over shadows under a Sun at 60 deg; at 85 deg four times as much".into(),
