@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer};
 
 use super::coloured_mesh::Placing;
 use super::located::Document;
-use super::raster::DataType;
+use super::raster::{DataType, metres};
 use super::{InputFile, registry};
 use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::repair::join_equal;
@@ -207,7 +207,7 @@ fn source(path: &Path) -> Result<(Source, Vec<InputFile>, Vec<String>)> {
     if bands.len() == 1 && raster.bands.len() > 1 {
         notes.push(format!("the first of its {} bands is taken", raster.bands.len()));
     }
-    let unit_m = raster.unit.as_deref().map(|unit| (unit, metres(unit)));
+    let unit_m = raster.unit.as_deref().filter(|unit| !unit.trim().is_empty()).map(|unit| (unit, metres(unit)));
     match unit_m {
         Some((unit, Some(unit_m))) if unit_m != 1.0 => notes.push(format!("its numbers are in {unit}: made m")),
         Some((unit, None)) => {
@@ -236,20 +236,4 @@ fn source(path: &Path) -> Result<(Source, Vec<InputFile>, Vec<String>)> {
     let told = raster.report.notes.iter().filter(|note| note.fate != Fate::Carried);
     notes.extend(told.map(|note| note.message.clone()));
     Ok((source, raster.inputs()?, notes))
-}
-
-/// A unit of length as files have it, m.
-fn metres(unit: &str) -> Option<f64> {
-    let unit = unit.trim().to_lowercase();
-    Some(match unit.trim_end_matches('s').trim_end() {
-        "" | "m" | "meter" | "metre" | "1" => 1.0,
-        "km" | "kilometer" | "kilometre" => 1000.0,
-        "cm" | "centimeter" | "centimetre" => 0.01,
-        "mm" | "millimeter" | "millimetre" => 1e-3,
-        "dm" | "decimeter" | "decimetre" => 0.1,
-        "ft" | "foot" | "feet" | "international foot" => 0.3048,
-        // 1200 / 3937: NIST SP 811, appendix B.6.
-        "us survey foot" | "us survey feet" | "ftus" | "us-ft" | "us_survey_foot" => 1200.0 / 3937.0,
-        _ => return None,
-    })
 }

@@ -13,6 +13,7 @@ use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
 use super::blocks::Blocks;
+use super::lengths::metres;
 use super::pds3::file_of;
 use super::place::{Georeference, Grid, Unit, turned};
 use super::pvl::{self, Block};
@@ -159,10 +160,10 @@ fn place(map: &Block, size_px: [usize; 2], report: &mut Report) -> Option<Georef
         return None;
     };
     let unit = map.word("PIXELRESOLUTION").and_then(|word| word.unit.clone()).unwrap_or_else(|| "meters/pixel".into());
-    let scale = match unit.split('/').next().unwrap_or_default().trim() {
-        "meters" | "meter" | "m" => 1.0,
-        "kilometers" | "kilometer" | "km" => 1e3,
-        unit => {
+    let unit = unit.split('/').next().unwrap_or_default().trim();
+    let scale = match metres(unit) {
+        Some(unit_m) => unit_m,
+        None => {
             let message = format!("in {unit}, not in metres");
             report.note(Fate::Dropped, map.at("PIXELRESOLUTION"), message.as_str());
             return Some(Georeference::Other(format!("pixels of {}, {message}", number_text(size))));

@@ -13,6 +13,7 @@ pub(super) mod headers;
 pub(super) mod isis;
 pub(super) mod jpeg;
 mod layers;
+mod lengths;
 mod mask;
 mod names;
 pub(super) mod npy;
@@ -39,6 +40,7 @@ use crate::report::{Fate, Report};
 use crate::spectral::Band;
 
 pub use self::compare::{differences, statistics};
+pub(super) use self::lengths::metres;
 pub(crate) use self::names::{bare_number, colour};
 pub(crate) use self::place::Georeference;
 pub use self::write::{Options, Target, write};

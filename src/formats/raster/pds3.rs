@@ -13,6 +13,7 @@ use crate::formats::number::DataType;
 use crate::report::{Fate, Report};
 
 use super::blocks::Blocks;
+use super::lengths::metres;
 use super::place::turned;
 use super::pvl::{self, Block};
 use super::special::Special;
@@ -264,7 +265,7 @@ fn spacing_m(map: &Block, report: &mut Report) -> Option<[f64; 2]> {
         return None;
     };
     let unit = map.word("MAP_SCALE").and_then(|word| word.unit.clone());
-    let metres = match unit.as_deref().map(|unit| unit.split('/').next().unwrap_or_default().trim().to_owned()) {
+    let unit_m = match unit.as_deref().map(|unit| unit.split('/').next().unwrap_or_default().trim().to_owned()) {
         None => {
             report.note(
                 Fate::Defaulted,
@@ -273,14 +274,13 @@ fn spacing_m(map: &Block, report: &mut Report) -> Option<[f64; 2]> {
             );
             1e3
         }
-        Some(unit) => match unit.as_str() {
-            "km" | "kilometer" | "kilometers" => 1e3,
-            "m" | "meter" | "meters" | "metre" | "metres" => 1.0,
-            other => {
-                report.note(Fate::Dropped, at(), format!("in {other}, not in metres"));
+        Some(unit) => match metres(&unit) {
+            Some(unit_m) => unit_m,
+            None => {
+                report.note(Fate::Dropped, at(), format!("in {unit}, not in metres"));
                 return None;
             }
         },
     };
-    Some([scale * metres; 2])
+    Some([scale * unit_m; 2])
 }

@@ -14,6 +14,7 @@ use crate::formats::number::DataType;
 use crate::formats::xml::{self, Element};
 use crate::report::{Fate, Report};
 
+use super::lengths::metres;
 use super::pds3::file_of;
 use super::place::{Georeference, Grid, Unit, turned};
 use super::special::{Special, stored};
@@ -233,10 +234,10 @@ fn place(root: &Element, size_px: [usize; 2], report: &mut Report) -> Option<Geo
         report.note(Fate::Dropped, cartography.at(), "the cartography gives no size of pixels");
         return None;
     };
-    let scale = match unit.split('/').next().unwrap_or_default().trim() {
-        "m" => 1.0,
-        "km" => 1e3,
-        unit => {
+    let unit = unit.split('/').next().unwrap_or_default().trim();
+    let scale = match metres(unit) {
+        Some(unit_m) => unit_m,
+        None => {
             let why = format!("pixels of {width} x {height} {unit}, not of metres");
             let corner = ["west", "north"].map(|side| number(find(&format!("{side}_bounding_coordinate"))?));
             let is_west = find("longitude_direction").is_some_and(|of| text(of).contains("west"));
@@ -250,7 +251,7 @@ fn place(root: &Element, size_px: [usize; 2], report: &mut Report) -> Option<Geo
     };
     let corner = |axis: &str| {
         let of = find(&format!("upperleft_corner_{axis}"));
-        let scale = if of.and_then(|of| of.get("unit")) == Some("km") { 1e3 } else { 1.0 };
+        let scale = of.and_then(|of| metres(of.get("unit")?)).unwrap_or(1.0);
         of.and_then(|of| of.text.trim().parse().ok())
             .filter(|at: &f64| at.is_finite())
             .map_or(0.0, |at: f64| scale * at)

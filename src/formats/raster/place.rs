@@ -1,5 +1,6 @@
 //! Where a raster lies, as its header says it.
 
+use super::lengths::metres;
 use crate::error::{Location, number};
 use crate::formats::envi::Header;
 use crate::report::{Fate, Report};
@@ -157,11 +158,10 @@ impl Georeference {
         let projection = items[0].to_lowercase();
         let unit = option("units")
             .unwrap_or_else(|| if projection.contains("geographic") { "degrees".into() } else { "meters".into() });
-        let unit = match unit.as_str() {
-            "meters" | "meter" | "metres" | "metre" | "m" => Unit::Metres(1.0),
-            "km" | "kilometers" | "kilometer" | "kilometres" | "kilometre" => Unit::Metres(1e3),
-            "degrees" | "degree" | "deg" => Unit::Degrees,
-            other_unit => {
+        let unit = match (metres(&unit), unit.as_str()) {
+            (Some(unit_m), _) => Unit::Metres(unit_m),
+            (None, "degrees" | "degree" | "deg") => Unit::Degrees,
+            (None, other_unit) => {
                 return other(format!(
                     "is in {other_unit}, not in metres: give `plane` instead, or project the image first (`gdalwarp -t_srs` with metres about the site)"
                 ));
