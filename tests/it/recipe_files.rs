@@ -150,13 +150,14 @@ fn split_vertices_of_a_body_leave_no_creases() {
 #[test]
 fn ground_that_folds_is_told_and_flat_mounds_are_flat() {
     let scratch = Scratch::new();
-    // Up to 300 m of relief in waves of 100 m, in a bowl of 200 m radius: normals cross before they are as long.
-    let bowl = "version = 2\nseed = 1\nsize_m = 600.0\nfacets = 5000\nrelief = [{ kind = \"rolling\", rms_m = 150.0, longest_m = 150.0 }]\n[body]\nellipsoid_m = [1000.0, 1000.0, 1000.0]\nlonlat_deg = [0.0, 0.0]\n";
-    let (_, err) = heights(
-        &scratch,
-        &bowl.replace("1000.0, 1000.0, 1000.0", "700.0, 1000.0, 1000.0").replace("rms_m = 150.0", "rms_m = 299.0"),
-    );
-    assert!(err.is_empty() || err.contains("facets face the body"), "{err}");
+    // At the tip of this ellipsoid the radius of curvature is 300^2 / 1000 = 90 m along a meridian: normals of a hollow 150 m deep cross.
+    let tip = |height_m: f64| {
+        format!(
+            "version = 2\nseed = 1\nsize_m = 250.0\nfacets = 2000\nrelief = [{{ kind = \"mound\", height_m = {height_m:.1}, flank_deg = 60.0, top_m = 60.0 }}]\n[body]\nellipsoid_m = [1000.0, 1000.0, 300.0]\nlonlat_deg = [0.0, 0.0]\n"
+        )
+    };
+    let told = |height_m: f64| heights(&scratch, &tip(height_m)).1.contains("facets face the body");
+    assert_eq!([-150.0, -40.0, 150.0].map(told), [true, false, false]);
     let (z, _) = heights(
         &scratch,
         "version = 2\nseed = 1\nsize_m = 100.0\nfacets = 1000\nrelief = [{ kind = \"mound\", height_m = 0.0, flank_deg = 30.0, top_m = 10.0 }]\n",
