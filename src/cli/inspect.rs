@@ -733,6 +733,7 @@ fn image(path: &Path, format: &Format, arguments: &Arguments, console: &Console)
         ("data_units", json!(raster.unit)),
         ("no_data_value", json!(raster.ignore)),
         ("spacing_m", json!(raster.spacing_m())),
+        ("extent_deg", json!(raster.extent_deg())),
         ("notes", raster.report.notes.iter().map(|note| json!(note.to_string())).collect()),
         ("statistics", statistics.collect()),
     ]);

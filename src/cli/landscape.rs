@@ -6,7 +6,7 @@ use mmxrt::Result;
 use mmxrt::error::{Error, Location};
 use mmxrt::formats::recipe_toml;
 use mmxrt::job::LandscapeFiles;
-use mmxrt::landscape::{PRESETS, WrapReport};
+use mmxrt::landscape::{FACETS, PRESETS, WrapReport};
 
 use super::Outcome;
 use super::console::Console;
@@ -20,10 +20,10 @@ pub(crate) struct Arguments {
     #[arg(long, short, value_name = "OUT", required_unless_present_any = ["list", "show"])]
     output: Option<PathBuf>,
     /// Number of facets, overriding the recipe
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(i64::from(*FACETS.start())..=i64::from(*FACETS.end())))]
     facets: Option<u32>,
     /// Seed, overriding the recipe
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX.unsigned_abs()))]
     seed: Option<u64>,
     /// Say which presets there are
     #[arg(long)]

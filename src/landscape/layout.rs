@@ -33,6 +33,11 @@ impl Grading {
         Grading { centre_m, core_m, site_m, end_m: site_m + reach_m, growth: [inner, outer], step_m }
     }
 
+    /// The same with cells so wide.
+    pub(super) fn with_step_m(&self, step_m: f64) -> Self {
+        Grading { step_m, ..*self }
+    }
+
     /// Width of facets on the ring with this half side, m.
     fn step_of_m(&self, half_m: f64) -> f64 {
         let inner_m = (half_m.min(self.site_m) - self.core_m).max(0.0);

@@ -105,6 +105,8 @@ fn tiff_is_read_in_every_layout_that_gdal_wrote() {
     let positive = |row, column| if has_none(row, column) { f64::NAN } else { quarters(row, column) + 1000.0 };
     assert_band(&mut degrees, 0, positive);
     assert_eq!(degrees.spacing_m(), None);
+    let [west, south, east, north] = degrees.extent_deg().unwrap();
+    assert!(west == 10.0 && north == 5.0 && (south - 3.4).abs() < 1e-12 && (east - 12.4).abs() < 1e-12, "{south} {east}");
     // Of four tiles one is there.
     let mut sparse = open(&path("sparse.tif"));
     let corner = |row, column| if row < 8 && column < 8 { quarters(row, column) } else { f64::NAN };

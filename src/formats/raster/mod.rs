@@ -261,6 +261,17 @@ impl Raster {
         self.georeference.as_ref()
     }
 
+    /// West, south, east and north, deg, where the file says that it lies by longitude and latitude.
+    pub fn extent_deg(&self) -> Option<[f64; 4]> {
+        match self.georeference {
+            Some(Georeference::Degrees { corner_deg: [west, north], pixel_deg: [width, height] }) => {
+                let (east, south) = (west + width * self.columns as f64, north - height * self.rows as f64);
+                Some([west, south, east, north])
+            }
+            _ => None,
+        }
+    }
+
     /// Width and height of a pixel, deg, where the file says angles.
     pub(crate) fn pixel_deg(&self) -> Option<[f64; 2]> {
         match self.georeference {
