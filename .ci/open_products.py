@@ -1,6 +1,6 @@
-"""Opens a product with another program's library and compares what it says: open_products.py numpy|spectral|OpenEXR FOLDER.
+"""Opens a product with another program's library and compares what it says: open_products.py numpy|spectral|OpenEXR|xarray|zarr|astropy FOLDER.
 
-The same with the cube that was converted: `converted.npy`, `converted.bip`, `converted.exr` beside it. Each number is compared with the bytes of the ENVI cube, read here without any library.
+The same with the cube that was converted: `converted.npy`, `converted.bip`, `converted.exr`, .. beside it. Each number is compared with the bytes of the ENVI cube, read here without any library.
 """
 
 import importlib.metadata
@@ -69,6 +69,42 @@ elif reader == "OpenEXR":
         return [channels[names[band]].pixels[line, sample] for line, sample, band in places]
 
     found, converted = numbers("cube.exr"), numbers("converted.exr")
+elif reader == "xarray":
+    import xarray
+
+    def numbers(file):
+        with xarray.open_dataset(folder / file, engine="netcdf4") as data:
+            assert data.radiance.dims == ("band", "line", "sample") and data.radiance.units == "W m-2 sr-1 um-1"
+            assert data.wavelength.values[0] == report["image"]["first_band_um"] and data.wavelength.units == "um"
+            return [data.radiance[band, line, sample].item() for line, sample, band in places]
+
+    found, converted = numbers("cube.nc"), numbers("converted.nc")
+    with xarray.open_dataset(folder / "cube.nc", engine="netcdf4") as data:
+        assert json.loads(data.report.item()) == report
+        assert data.LATITUDE.units == "degrees_north" and "LATITUDE" in data.radiance.coords and 0.5 < data.COVERAGE.mean() <= 1
+elif reader == "zarr":
+    import zarr
+
+    def numbers(file):
+        group = zarr.open_group(folder / file, mode="r")
+        assert group["radiance"].metadata.dimension_names == ("band", "line", "sample")
+        return [group["radiance"][band, line, sample].item() for line, sample, band in places]
+
+    found, converted = numbers("cube.zarr"), numbers("converted.zarr")
+    assert zarr.open_group(folder / "cube.zarr", mode="r").attrs["report"] == report
+elif reader == "astropy":
+    from astropy.io import fits
+
+    def numbers(file):
+        with fits.open(folder / file) as units:
+            units.verify("exception")
+            assert units[0].header["BUNIT"] == "W m-2 sr-1 um-1"
+            assert units["WAVELENGTH"].data[0] == report["image"]["first_band_um"]
+            return [units["RADIANCE"].data[band, line, sample].item() for line, sample, band in places]
+
+    found, converted = numbers("cube.fits"), numbers("converted.fits")
+    with fits.open(folder / "cube.fits") as units:
+        assert json.loads(units["REPORT"].data["REPORT"][0]) == report and 0.5 < units["COVERAGE"].data.mean() <= 1
 else:
     sys.exit(f"no check for {reader}")
 

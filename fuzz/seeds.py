@@ -191,6 +191,9 @@ def spectra(convert):
 
 
 def obj():
+    # Pieces of fuzz_targets/containers.rs, in its order.
+    for i, name in enumerate(["packed.nc", "groups.nc", "classic.nc", "cube.fits", "extensions.fits", "compressed.fits"]):
+        add("containers", name, bytes([i]) + (DATA / "containers" / name).read_bytes())
     # Pieces of fuzz_targets/rasters.rs: what replaces which file, by its number there.
     for i, path in enumerate(sorted((DATA / "rasters").glob("*"))):
         add("rasters", path.name, bytes([i]) + path.read_bytes())

@@ -4,10 +4,12 @@
 # Tried are PyPI's `bpy` (for which Python 3.11 is needed, and a GB of disk) and Debian's `blender`, each if it can be had; both if MMXRT_BLENDERS says nothing,
 # else those that it names: "bpy", "debian". MMXRT_BPY is a Python that has `bpy` already. Ends with one line: N passed, N failed, N skipped.
 set -euo pipefail
+# As it is named from where this is run.
+mmxrt=${1:+$(realpath -m "$1")}
 cd "$(dirname "$0")"
 source ../../.ci/steps.sh
 
-mmxrt=${1:-$(cd ../.. && pwd)/target/quick/mmxrt}
+mmxrt=${mmxrt:-$(cd ../.. && pwd)/target/quick/mmxrt}
 [ -x "$mmxrt" ] || { echo "$mmxrt is not there: cargo build --profile quick, or name the program"; exit 1; }
 mmxrt=$(realpath "$mmxrt")
 blenders=${MMXRT_BLENDERS:-bpy debian}

@@ -11,6 +11,7 @@ use mmxrt::formats::located::Document;
 use mmxrt::formats::manifest_json::{self, Manifest};
 use mmxrt::formats::mesh_file::{MeshFile, Up};
 use mmxrt::formats::mtl::{self, ObjMaterial};
+use mmxrt::formats::product_image;
 use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, ProductReport, Run};
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
@@ -26,6 +27,7 @@ use serde_json::{Value, json};
 
 use super::Outcome;
 use super::console::Console;
+use super::scene::SettingArguments;
 use super::surface::Written;
 
 #[derive(clap::Args)]
@@ -36,6 +38,8 @@ pub(crate) struct Arguments {
     /// Show the spectrum and planes of this pixel of a product folder, counted from 0
     #[arg(long, value_name = "SAMPLE,LINE", value_parser = pixel)]
     pixel: Option<(usize, usize)>,
+    #[command(flatten)]
+    settings: SettingArguments,
     /// How this material of a scene reflects; a preset is named in place of a file
     #[arg(long, value_name = "NAME", conflicts_with = "pixel")]
     material: Option<String>,
@@ -86,6 +90,14 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         return spectrum_of(arguments, console);
     }
     path.metadata().map_err(|e| Error::io(path, "reading", e))?;
+    if let Some(first) = arguments.settings.set.first()
+        && !is_scene(path)?
+    {
+        return Err(Error::invalid(
+            Location::file(path),
+            format!("is not a scene file, of which --set {first} could replace an item"),
+        ));
+    }
     if arguments.csv.is_some() {
         let message = "has no single spectrum to write: use --csv with --pixel, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));
@@ -100,8 +112,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         return tell(kernel(path)?, arguments, console);
     }
     // For a product, the cube is the image.
-    let cube = path.join("cube.img");
-    let path = if arguments.picture.is_some() && cube.is_file() { &cube } else { path };
+    let cube = product_image(path, "cube");
+    let path = if arguments.picture.is_some() && path.is_dir() && cube.exists() { &cube } else { path };
     let found = match path.is_file().then(|| registry::of_input(path)) {
         Some(Err(e @ Error::Unsupported { .. })) => return Err(e),
         found => found.and_then(|found| Some(found.ok()?.0)),
@@ -130,7 +142,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             return Err(Error::Invalid(vec![problem.with_help(help)]));
         }
         _ if is_campaign(path)? => campaign(path, console)?,
-        _ if is_scene(path)? => return super::dry_run::run(path, console),
+        _ if is_scene(path)? => return super::dry_run::run(path, &arguments.settings.set, console),
         _ => inspect(path, found, console)?,
     };
     tell(facts, arguments, console)

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use mmxrt::Result;
-use mmxrt::formats::{Subject, radiance_map};
+use mmxrt::formats::radiance_map;
 use mmxrt::geometry::Texels;
 use mmxrt::integrate::ViewChoice;
 use mmxrt::job::{self, Radiance};
@@ -13,13 +13,14 @@ use mmxrt::study::Fill;
 use super::Outcome;
 use super::console::Console;
 use super::product::ProductArguments;
+use super::scene::SceneArguments;
 
 #[derive(clap::Args)]
 #[group(skip)]
 #[command(group = clap::ArgGroup::new("source").args(["table", "radiance"]).required(true).multiple(true))]
 pub(crate) struct Arguments {
-    /// The scene file
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArguments,
     /// The facet table from `mmxrt solve`; one table serves all cameras and bands, as long as the Bond albedos stay the same
     #[arg(long, value_name = "TABLE.npz")]
     table: Option<PathBuf>,
@@ -73,11 +74,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     let maps: Vec<_> = arguments.radiance.iter().map(|text| radiance_map::summands(text)).collect::<Result<_>>()?;
     let paths = maps.iter().flatten().map(|summand| &summand.path);
-    for input in arguments.table.iter().chain([&arguments.scene]).chain(paths) {
+    for input in arguments.table.iter().chain([&arguments.scene.scene]).chain(paths) {
         super::settle_input(input, console)?;
     }
     let folder = arguments.product.stage(false, false, console)?;
-    let subject = Subject::open(&arguments.scene, &watch)?;
+    let subject = arguments.scene.open(&watch)?;
     let radiance = Radiance {
         table: arguments.table.clone(),
         maps,

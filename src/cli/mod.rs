@@ -11,8 +11,11 @@ mod instrument;
 mod integrate;
 mod landscape;
 mod locate;
+mod new;
 mod plan;
 mod product;
+mod scene;
+mod shell;
 mod simulate;
 mod solve;
 mod surface;
@@ -60,6 +63,8 @@ struct Global {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write a folder to begin with: a commented scene that runs
+    New(new::Arguments),
     /// Turn a scene into a radiance cube, backplanes, pictures and a report (`inspect SCENE` is a dry run)
     Simulate(simulate::Arguments),
     /// Compute what light and heat reach each facet of a scene, as a table
@@ -86,6 +91,10 @@ enum Command {
     Chart(chart::Arguments),
     /// Run the closed-form test cases and print the results
     Validate(validate::Arguments),
+    /// Print a script by which a shell completes commands and options
+    Completions(shell::CompletionArguments),
+    /// Write the manual pages
+    Man(shell::ManArguments),
 }
 
 /// How a command ended without an error.
@@ -138,6 +147,7 @@ fn start(global: &Global, console: &Console) -> mmxrt::Result<()> {
 
 fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
     match command {
+        Command::New(arguments) => new::run(&arguments, console),
         Command::Simulate(arguments) => simulate::run(&arguments, console),
         Command::Solve(arguments) => solve::run(&arguments, console),
         Command::Plan(arguments) => plan::run(&arguments, console),
@@ -151,6 +161,8 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Inspect(arguments) => inspect::run(&arguments, console),
         Command::Chart(arguments) => chart::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
+        Command::Completions(arguments) => shell::complete(&arguments, console),
+        Command::Man(arguments) => shell::man(&arguments, console),
     }
 }
 

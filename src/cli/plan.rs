@@ -1,7 +1,5 @@
 //! `mmxrt plan`: which effects a simulation would model, and what it would take.
 
-use std::path::PathBuf;
-
 use mmxrt::Result;
 use mmxrt::job::{self, Outlook};
 use mmxrt::study::{Bound, Choice, Coarser, Decision, Effect, Plan, Request, TOLERANCE, WITHIN};
@@ -10,11 +8,12 @@ use serde_json::json;
 use super::Outcome;
 use super::console::Console;
 use super::dry_run::{rounded, size};
+use super::scene::SceneArguments;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The scene file
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArguments,
     #[command(flatten)]
     request: RequestArguments,
     /// Say how each bound comes about
@@ -49,7 +48,8 @@ impl RequestArguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
-    let (outlook, plan) = job::plan(&arguments.scene, &arguments.request.request(), &watch)?;
+    let (outlook, plan) =
+        job::plan(&arguments.scene.scene, &arguments.scene.settings.set, &arguments.request.request(), &watch)?;
     let json = json!({
         "plan": plan,
         "expects": {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use mmxrt::Result;
 use mmxrt::formats::Subject;
+use mmxrt::formats::container::Container;
 use mmxrt::formats::envi::{Interleave, Precision};
 use mmxrt::formats::product_folder::{ProductFolder, ProductOptions, Written};
 use mmxrt::formats::report_json::{Cost, ImageEntry};
@@ -33,6 +34,9 @@ pub(crate) struct ProductArguments {
     /// What the numbers of the cube are
     #[arg(long, value_enum, default_value = "radiance")]
     quantity: QuantityName,
+    /// Formats of the cube: all but ENVI and OpenEXR hold its backplanes and report as well
+    #[arg(long, value_enum, value_name = "FORMAT,...", value_delimiter = ',', default_value = "envi")]
+    format: Vec<FormatName>,
     /// Also write the cube as spectral OpenEXR
     #[arg(long)]
     exr: bool,
@@ -69,6 +73,20 @@ enum QuantityName {
     BrightnessTemperature,
 }
 
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum FormatName {
+    /// cube.img and cube.hdr
+    Envi,
+    /// cube.nc: NetCDF by the CF conventions, for xarray, Panoply, GDAL
+    Netcdf,
+    /// cube.zarr: Zarr version 3, for xarray
+    Zarr,
+    /// cube.fits: for astropy
+    Fits,
+    /// cube.exr: spectral OpenEXR, as --exr
+    Exr,
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 enum PrecisionName {
     /// Single precision
@@ -97,9 +115,28 @@ impl ProductArguments {
             QuantityName::ReflectanceFactor => Quantity::ReflectanceFactor,
             QuantityName::BrightnessTemperature => Quantity::BrightnessTemperature,
         };
-        let (exr, footprints) = (self.exr, self.footprints);
-        let planes_of = self.planes_of.iter().map(|band| *band as usize - 1).collect();
-        let options = ProductOptions { interleave, precision, exr, footprints, planes_of, table, split, quantity };
+        let asks = |format: FormatName| self.format.contains(&format);
+        let containers = [
+            (FormatName::Netcdf, Container::NetCdf),
+            (FormatName::Zarr, Container::Zarr),
+            (FormatName::Fits, Container::Fits),
+        ];
+        let options = ProductOptions {
+            interleave,
+            precision,
+            envi: asks(FormatName::Envi),
+            containers: containers
+                .into_iter()
+                .filter(|(name, _)| asks(*name))
+                .map(|(_, container)| container)
+                .collect(),
+            exr: self.exr || asks(FormatName::Exr),
+            footprints: self.footprints,
+            planes_of: self.planes_of.iter().map(|band| *band as usize - 1).collect(),
+            table,
+            split,
+            quantity,
+        };
         ProductFolder::stage(&self.output, self.force, options)
     }
 

@@ -1,19 +1,17 @@
 //! `mmxrt simulate`: a scene becomes a product folder.
 
-use std::path::PathBuf;
-
-use mmxrt::formats::Subject;
 use mmxrt::{Result, job};
 
 use super::Outcome;
 use super::console::Console;
 use super::plan::{RequestArguments, about_mesh, in_short};
 use super::product::ProductArguments;
+use super::scene::SceneArguments;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The scene file
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArguments,
     #[command(flatten)]
     request: RequestArguments,
     #[command(flatten)]
@@ -31,9 +29,9 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
-    super::settle_input(&arguments.scene, console)?;
+    super::settle_input(&arguments.scene.scene, console)?;
     let folder = arguments.product.stage(arguments.table, arguments.split, console)?;
-    let mut subject = Subject::open(&arguments.scene, &watch)?;
+    let mut subject = arguments.scene.open(&watch)?;
     if arguments.ideal {
         subject.chain = None;
     }

@@ -3,17 +3,17 @@
 use std::path::PathBuf;
 
 use mmxrt::Result;
-use mmxrt::formats::Subject;
 use mmxrt::job::{self, TableFiles, Towards};
 
 use super::console::Console;
 use super::plan::RequestArguments;
+use super::scene::SceneArguments;
 use super::{Outcome, product};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The scene file
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArguments,
     #[command(flatten)]
     request: RequestArguments,
     /// The table to write
@@ -31,9 +31,9 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle(&arguments.output, console)?;
-    super::settle_input(&arguments.scene, console)?;
+    super::settle_input(&arguments.scene.scene, console)?;
     let files = TableFiles::stage(&arguments.output, arguments.radiance, arguments.force)?;
-    let mut subject = Subject::open(&arguments.scene, &watch)?;
+    let mut subject = arguments.scene.open(&watch)?;
     product::say_defaults(&subject, console);
     let tell = |warnings: &[String]| warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
     tell(&subject.warnings);

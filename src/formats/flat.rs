@@ -154,6 +154,12 @@ impl FlatFile {
         Ok(FlatFile { flat: Flat { start: at, ..flat }, file, at })
     }
 
+    /// A part of a file, whose other parts are written by others.
+    pub(super) fn open(path: &Path, flat: Flat) -> std::io::Result<Self> {
+        let file = File::options().write(true).create(true).truncate(false).open(path)?;
+        Ok(FlatFile { flat, file, at: 0 })
+    }
+
     /// Writes some bands of some rows: numbers, [band, row, column].
     pub(super) fn tile(&mut self, rows: Range<usize>, bands: Range<usize>, values: &[f64]) -> std::io::Result<()> {
         let columns = self.flat.columns;

@@ -59,6 +59,8 @@ pub struct FolderKind {
     /// What such a folder may hold: names, or how names begin, if they end in a dot. A folder with anything else in it is not replaced
     /// either, except for what other programs leave everywhere.
     pub parts: &'static [&'static str],
+    /// Folders in it that hold a file of this name are parts, too.
+    pub holds: Option<&'static str>,
 }
 
 /// A product folder.
@@ -70,8 +72,14 @@ const PRODUCT: FolderKind = FolderKind {
         "cube.img",
         "cube.hdr",
         "cube.exr",
+        "cube.nc",
+        "cube.zarr",
+        "cube.fits",
         "thermal.img",
         "thermal.hdr",
+        "thermal.nc",
+        "thermal.zarr",
+        "thermal.fits",
         "backplanes.",
         "exposures.csv",
         "displacement.img",
@@ -79,6 +87,9 @@ const PRODUCT: FolderKind = FolderKind {
         "displacement.svg",
         "dn.img",
         "dn.hdr",
+        "dn.nc",
+        "dn.zarr",
+        "dn.fits",
         "snr.img",
         "snr.hdr",
         "snr.svg",
@@ -87,6 +98,7 @@ const PRODUCT: FolderKind = FolderKind {
         "table.npz",
         "footprints.npz",
     ],
+    holds: None,
 };
 
 impl Staged {
@@ -124,7 +136,8 @@ impl Staged {
             let is_part = |name: &str| {
                 kind.parts.iter().any(|part| *part == name || (part.ends_with('.') && name.starts_with(part)))
             };
-            let is_known = |name: &str| is_part(name) || is_stray(name);
+            let is_inner = |name: &str| kind.holds.is_some_and(|mark| target.join(name).join(mark).is_file());
+            let is_known = |name: &str| is_part(name) || is_inner(name) || is_stray(name);
             if let Some(other) = names.iter().map(|name| name.to_string_lossy()).find(|name| !is_known(name)) {
                 return refused(format!("holds {other:?}, which is not part of a product, so it is not replaced"));
             }

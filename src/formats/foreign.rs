@@ -13,12 +13,9 @@ pub(super) fn named(beginning: &[u8]) -> Option<&'static str> {
     // Labels are text.
     let text = String::from_utf8_lossy(&beginning[..beginning.len().min(1024)]);
     Some(match () {
-        () if is(b"\x89HDF\r\n\x1a\n") => "HDF5 (NetCDF-4)",
-        () if is(b"CDF\x01") || is(b"CDF\x02") || is(b"CDF\x05") => "NetCDF",
         () if is(&[0x0e, 0x03, 0x13, 0x01]) => "HDF4",
         () if is(b"\0\0\0\x0cjP  ") || is(&[0xff, 0x4f, 0xff, 0x51]) => "JPEG 2000",
         () if is(b"\0\0\0\x0cJXL ") || is(&[0xff, 0x0a]) => "JPEG XL",
-        () if is(b"SIMPLE  =") => "FITS",
         () if is(b"EHFA_HEADER_TAG") => "ERDAS Imagine (HFA)",
         () if is(b"LBLSIZE=") => "VICAR",
         () if is(b"NITF") || is(b"NSIF") => "NITF",
@@ -57,7 +54,7 @@ pub(super) fn refused(path: &Path, beginning: &[u8]) -> Option<Error> {
         }
         "PFM" => format!("`oiiotool {from} -o {stem}.exr`"),
         "a MATLAB file" => "in Python: `numpy.save(OUT, scipy.io.loadmat(IN)[NAME])`".into(),
-        "HDF5 (NetCDF-4)" | "NetCDF" | "HDF4" => {
+        "HDF4" => {
             format!("`gdalinfo {from}` lists what is in it; then `gdal_translate -of ENVI` with the name of one")
         }
         _ => with_gdal,
@@ -68,7 +65,7 @@ pub(super) fn refused(path: &Path, beginning: &[u8]) -> Option<Error> {
 /// How names of meshes end that are not read.
 pub(super) const MESHES: [&str; 2] = ["fbx", "dae"];
 /// How names of images end that begin with a mark and are not read.
-pub(super) const ENDINGS: [&str; 10] = ["gif", "bmp", "webp", "jp2", "hdf", "h5", "nc", "fits", "fit", "heic"];
+pub(super) const ENDINGS: [&str; 6] = ["gif", "bmp", "webp", "jp2", "hdf", "heic"];
 
 #[cfg(test)]
 mod tests {
@@ -77,10 +74,8 @@ mod tests {
     #[test]
     fn files_are_told_by_how_they_begin() {
         for (bytes, name) in [
-            (&b"\x89HDF\r\n\x1a\n\0"[..], "HDF5 (NetCDF-4)"),
-            (b"CDF\x01\0", "NetCDF"),
+            (&b"\x0e\x03\x13\x01\0"[..], "HDF4"),
             (b"\0\0\0\x0cjP  \r\n\x87\n", "JPEG 2000"),
-            (b"SIMPLE  =                    T", "FITS"),
             (b"EHFA_HEADER_TAG\0", "ERDAS Imagine (HFA)"),
             (b"RIFF\x10\0\0\0WEBPVP8 ", "WebP"),
             (b"BM\x36\0\0\0\0\0\0\0\x36\0\0\0", "BMP"),

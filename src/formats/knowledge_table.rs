@@ -13,8 +13,11 @@ use crate::product::Plane;
 use crate::study::knowledge::{Asked, Budget, Part, PixelBudget, Row};
 
 /// The folder that [`write()`] fills.
-pub const FOLDER: FolderKind =
-    FolderKind { marks: &["errors.json"], parts: &["errors.json", "errors.csv", "errors.img", "errors.hdr"] };
+pub const FOLDER: FolderKind = FolderKind {
+    marks: &["errors.json"],
+    parts: &["errors.json", "errors.csv", "errors.img", "errors.hdr"],
+    holds: None,
+};
 
 /// Columns of the table: a row per pixel and source. The scatter of `sources` is linear, that of `monte_carlo` sampled;
 /// cells that do not apply are empty.

@@ -66,6 +66,8 @@ pub struct Document {
     text: String,
     tree: Value,
     places: BTreeMap<String, Spans>,
+    /// Items that are not of the text but were put into the tree, and where they are said.
+    put: BTreeMap<String, Location>,
     /// What cannot be used of the text itself; the first of it, and one more if there is more.
     problems: Vec<Problem>,
 }
@@ -109,6 +111,7 @@ impl Document {
             text: String::new(),
             tree: Value::Null,
             places: BTreeMap::new(),
+            put: BTreeMap::new(),
             problems: Vec::new(),
         };
         document.tree = document.table(root.get_ref(), "", &text);
@@ -176,6 +179,9 @@ impl Document {
     pub fn at(&self, item: &str) -> Location {
         let mut known = item;
         while !known.is_empty() {
+            if let Some(said) = self.put.get(known) {
+                return said.clone();
+            }
             if let Some(place) = self.places.get(known) {
                 return Location::span(&self.path, &self.text, place.value.start, place.value.end).with_item(item);
             }
@@ -191,7 +197,37 @@ impl Document {
 
     /// Whether the text has an item.
     pub fn has(&self, item: &str) -> bool {
-        self.places.contains_key(item)
+        self.places.contains_key(item) || self.put.contains_key(item)
+    }
+
+    /// Changes an item of the tree, as it is said elsewhere: by `edit`, which makes, replaces or removes it.
+    ///
+    /// # Errors
+    /// Those of `edit`; then nothing is changed.
+    pub(super) fn edit(
+        &mut self,
+        item: &str,
+        said: Location,
+        edit: impl FnOnce(&mut Value) -> Result<()>,
+    ) -> Result<()> {
+        let mut tree = self.tree.clone();
+        edit(&mut tree)?;
+        self.tree = tree;
+        let is_within =
+            |name: &str| name.strip_prefix(item).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
+        self.places.retain(|name, _| !is_within(name));
+        self.put.retain(|name, _| !is_within(name));
+        // What the text says wrong there does not count any more.
+        self.problems.retain(|problem| !problem.at.item.as_deref().is_some_and(is_within));
+        // What is there now, in it and around it.
+        let mut now = Vec::new();
+        names("", &self.tree, &mut now);
+        for name in now {
+            if !self.has(&name) {
+                self.put.insert(name, said.clone());
+            }
+        }
+        Ok(())
     }
 
     /// The keys of a table, in the order of the text.
@@ -370,16 +406,20 @@ impl Document {
             match (known.get(key), others) {
                 (Some(schema), _) => self.compare(root, schema, value, &member, problems),
                 (None, Some(Value::Bool(false))) => {
-                    let at = match self.places.get(&member) {
-                        Some(place) => Location::span(&self.path, &self.text, place.key.start, place.key.end),
-                        None => Location::file(&self.path),
+                    let at = match (self.put.get(&member), self.places.get(&member)) {
+                        (Some(said), _) => said.clone(),
+                        (None, Some(place)) => {
+                            let span = Location::span(&self.path, &self.text, place.key.start, place.key.end);
+                            span.with_item(&member)
+                        }
+                        (None, None) => Location::file(&self.path).with_item(&member),
                     };
                     let names: Vec<&str> = known.keys().map(String::as_str).collect();
                     let help = match key_units::meant(key, value, &names) {
                         Some(meant) => meant,
                         None => format!("known here: {}", names.join(", ")),
                     };
-                    problems.push(Problem::new(at.with_item(&member), format!("unknown key `{key}`")).with_help(help));
+                    problems.push(Problem::new(at, format!("unknown key `{key}`")).with_help(help));
                 }
                 (None, Some(schema)) if schema.is_object() => self.compare(root, schema, value, &member, problems),
                 (None, _) => {}
@@ -425,6 +465,19 @@ pub fn member(table: &str, key: &str) -> String {
         ("", false) => format!("{key:?}"),
         (_, true) => format!("{table}.{key}"),
         (_, false) => format!("{table}.{key:?}"),
+    }
+}
+
+/// Names of all items in a value.
+fn names(of: &str, value: &Value, found: &mut Vec<String>) {
+    let mut enter = |name: String, value: &Value| {
+        names(&name, value, found);
+        found.push(name);
+    };
+    match value {
+        Value::Object(map) => map.iter().for_each(|(key, value)| enter(member(of, key), value)),
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, value)| enter(format!("{of}[{i}]"), value)),
+        _ => {}
     }
 }
 

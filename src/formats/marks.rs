@@ -11,11 +11,11 @@ pub(super) const SQLITE: &[u8] = b"SQLite format 3\0";
 pub(super) const GLB: &[u8] = b"glTF";
 
 /// How names of images end that are read and begin in one of several ways.
-pub(super) const ENDINGS: [&str; 6] = ["tif", "tiff", "pgm", "ppm", "pnm", "cub"];
+pub(super) const ENDINGS: [&str; 11] = ["tif", "tiff", "pgm", "ppm", "pnm", "cub", "nc", "nc4", "cdf", "h5", "hdf5"];
 
 /// What a file is that begins so, whether it is read or not.
 pub(super) fn named(beginning: &[u8]) -> Option<&'static str> {
-    let begins: [(&[u8], &str); 19] = [
+    let begins: [(&[u8], &str); 24] = [
         (PNG, "PNG"),
         (JPEG, "JPEG"),
         (OPEN_EXR, "OpenEXR"),
@@ -33,6 +33,11 @@ pub(super) fn named(beginning: &[u8]) -> Option<&'static str> {
         (b"P3\n", "PPM"),
         (b"P6\n", "PPM"),
         (GLB, "glTF"),
+        (b"\x89HDF\r\n\x1a\n", "HDF5 (NetCDF-4)"),
+        (b"CDF\x01", "NetCDF"),
+        (b"CDF\x02", "NetCDF"),
+        (b"CDF\x05", "NetCDF"),
+        (b"SIMPLE  =", "FITS"),
         (&[0xff, 0xfe], "text in UTF-16"),
         (&[0xfe, 0xff], "text in UTF-16"),
     ];

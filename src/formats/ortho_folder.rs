@@ -13,7 +13,7 @@ use crate::product::{CellPart, MapGrid, Plane, Projection};
 
 /// Such a folder.
 pub const FOLDER: FolderKind =
-    FolderKind { marks: &["ortho.json"], parts: &["ortho.json", "ortho.img", "ortho.hdr", "lookup.npz"] };
+    FolderKind { marks: &["ortho.json"], parts: &["ortho.json", "ortho.img", "ortho.hdr", "lookup.npz"], holds: None };
 
 /// What ENVI calls where a map lies: pixel coordinates are 1 at the outer corner of the first cell.
 fn map_info(grid: &MapGrid) -> String {

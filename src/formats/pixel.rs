@@ -9,7 +9,8 @@ use crate::geometry::whole;
 use crate::product::Quantity;
 
 use super::number::DataType;
-use super::{envi, registry};
+use super::product_image::product_image;
+use super::registry;
 
 /// What a product says of one pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,10 +39,10 @@ pub struct PixelValues {
 /// [`Error::Invalid`] for a pixel beyond the image, and for a folder that is not a product; those of reading its images.
 pub fn read(folder: &Path, sample: usize, line: usize) -> Result<PixelValues> {
     folder.metadata().map_err(|e| Error::io(folder, "reading", e))?;
-    let cube = folder.join("cube.img");
-    if !cube.is_file() {
+    let cube = product_image(folder, "cube");
+    if !cube.exists() {
         let at = Location::file(folder);
-        let around = folder.parent().filter(|around| around.join("cube.img").is_file());
+        let around = folder.parent().filter(|around| product_image(around, "cube").exists());
         let help = match around {
             Some(around) if around.as_os_str().is_empty() => "name the folder that this image is in: `.`".to_owned(),
             Some(around) => format!("name the folder that this image is in: {}", around.display()),
@@ -49,15 +50,15 @@ pub fn read(folder: &Path, sample: usize, line: usize) -> Result<PixelValues> {
         };
         return Err(Error::Invalid(vec![Problem::new(at, "is not the folder of a product").with_help(help)]));
     }
-    let unit = envi::read_header(&envi::pair(&cube)?.0)?.field("data units").unwrap_or_default().to_owned();
+    let unit = registry::image(&cube)?.unit.unwrap_or_default();
     if !unit.is_empty() && unit != Quantity::Radiance.unit() {
         let message = format!("its numbers are in {unit:?}: a pixel's spectrum is shown of radiance");
         return Err(Error::invalid(Location::file(&cube), message));
     }
     let radiance = spectrum(&cube, sample, line)?;
     let is_single = radiance.iter().any(|band| band.is_single);
-    let thermal = folder.join("thermal.img");
-    let thermal = if thermal.is_file() { Some(spectrum(&thermal, sample, line)?) } else { None };
+    let thermal = product_image(folder, "thermal");
+    let thermal = if thermal.exists() { Some(spectrum(&thermal, sample, line)?) } else { None };
     let planes = spectrum(&folder.join("backplanes.img"), sample, line)?;
     Ok(PixelValues {
         sample,

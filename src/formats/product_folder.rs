@@ -4,12 +4,15 @@ use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::container::Container;
+use super::dataset::{Text, Value};
 use super::envi::{self, Interleave, Precision};
 use super::folder::Staged;
 use super::product_curves;
+use super::raster::{self, CubeNotes};
 use super::report_json::{self, BandEntry, ImageEntry, Input, PlanEntry, ProductReport, Run, SignalEntry};
 use super::subject::Subject;
-use super::{exposures_csv, exr_cube, machine, npz, quicklook};
+use super::{exposures_csv, exr_cube, machine, npz, quicklook, registry};
 use crate::error::{Error, Location, Problem, Result};
 use crate::instrument::Detector;
 use crate::product::{Backplanes, Conversion, CubeAxes, FacetTable, Plane, Quantity, ShownBands, Slab};
@@ -25,6 +28,10 @@ pub struct ProductOptions {
     pub interleave: Interleave,
     /// Precision of the cube's numbers.
     pub precision: Precision,
+    /// Whether the cube is written as ENVI; backplanes are, in any case.
+    pub envi: bool,
+    /// In what else the cube is written, with its backplanes and the report.
+    pub containers: Vec<Container>,
     /// The cube as spectral OpenEXR as well.
     pub exr: bool,
     /// Which facets each pixel sees as well.
@@ -45,6 +52,8 @@ impl Default for ProductOptions {
         ProductOptions {
             interleave: Interleave::Bsq,
             precision: Precision::F32,
+            envi: true,
+            containers: vec![],
             exr: false,
             footprints: false,
             planes_of: vec![],
@@ -131,7 +140,7 @@ impl ProductFolder {
         more_inputs: impl IntoIterator<Item = &'a PathBuf>,
         has_maps: bool,
     ) -> Result<()> {
-        let ProductOptions { precision, exr, split, table, quantity, .. } = self.options;
+        let ProductOptions { precision, exr, split, table, quantity, ref containers, .. } = self.options;
         if split && quantity == Quantity::BrightnessTemperature {
             let message =
                 "temperatures of parts of the light do not add up: leave out the thermal part, or take radiance";
@@ -175,7 +184,9 @@ impl ProductFolder {
             Precision::F32 | Precision::U32 => 4,
             Precision::F64 => 8,
         };
-        let cubes_bytes = number_bytes * if split { 2 } else { 1 } + if exr { 4 } else { 0 };
+        // In the files of other formats, too, and there with the backplanes.
+        let copies = 1 + containers.len() as u64;
+        let cubes_bytes = number_bytes * if split { 2 } else { 1 } * copies + if exr { 4 } else { 0 };
         self.staged.has_room(study::product_bytes(&subject.scene, cubes_bytes))
     }
 
@@ -187,7 +198,7 @@ impl ProductFolder {
         let scene = &subject.scene;
         let named = |e| self.staged.named(e);
         let file = |name: &str| self.staged.path().join(name);
-        let ProductOptions { interleave, precision, exr, split, quantity, .. } = self.options;
+        let ProductOptions { interleave, precision, exr, split, quantity, .. } = self.options.clone();
         let conversion = Conversion::new(quantity, scene)?;
         let axes = CubeAxes { quantity, ..CubeAxes::of(&scene.exposure) };
         let create = |name: &str, title: &str| {
@@ -273,7 +284,7 @@ impl OpenProduct {
             };
             thermal.map_or(Ok(()), envi::EnviCube::end)?;
             exr.map_or(Ok(()), exr_cube::ExrCube::end)?;
-            write_files(&staged, options.table, &shown, (&product, signal), run, watch)
+            write_files(&staged, &options, &shown, (&product, signal), run, watch)
         };
         let (report, run) = write().map_err(|e| staged.named(e))?;
         let kept = staged.kept().to_vec();
@@ -302,7 +313,7 @@ fn titled(what: &str, scene: &Scene) -> String {
 /// Writes all but the cube.
 fn write_files(
     staged: &Staged,
-    with_table: bool,
+    options: &ProductOptions,
     cube: &ShownBands,
     (product, signal): (&Product, Option<SignalEntry>),
     run: impl FnOnce() -> Run,
@@ -347,7 +358,7 @@ fn write_files(
     if let Some(footprints) = &observation.footprints {
         npz::write_footprints(&file("footprints.npz"), footprints, &subject.id)?;
     }
-    if with_table {
+    if options.table {
         npz::write_table(&file("table.npz"), table, &study::table_id(&subject.scene))?;
     }
     tell(watch, "writing pictures and reports", 0, 1)?;
@@ -357,11 +368,65 @@ fn write_files(
     let report = ProductReport { signal, ..report(product, cube, coverage) };
     report_json::write(&file("report.json"), &report)?;
     tell(watch, "writing pictures and reports", 1, 1)?;
+    write_containers(staged.path(), options, planes, (&report, &titled("", &subject.scene)), watch)?;
     let mut run = run();
     product.plan.iter().for_each(|plan| run.set_costs(plan));
     run.files = files(staged.path())?.into_iter().collect();
     report_json::write(&file("run.json"), &run)?;
     Ok((report, run))
+}
+
+/// The images that are cubes: their names, and what their numbers are where that is not the product's quantity.
+const CUBES: [(&str, Option<Quantity>); 3] = [("cube", None), ("thermal", None), ("dn", Some(Quantity::Counts))];
+
+/// Writes the cubes in other formats, from the files of ENVI, which are removed if they are not asked for.
+fn write_containers(
+    folder: &Path,
+    options: &ProductOptions,
+    planes: &Backplanes,
+    (report, by): (&ProductReport, &str),
+    watch: Watch<'_>,
+) -> Result<()> {
+    if options.containers.is_empty() {
+        return Ok(());
+    }
+    for (stem, quantity) in CUBES {
+        let image = folder.join(format!("{stem}.img"));
+        if !image.exists() {
+            continue;
+        }
+        let quantity = quantity.unwrap_or(options.quantity);
+        let part = if stem == "thermal" { "Thermal part of: " } else { "" };
+        let words = format!("{part}{}", quantity.title());
+        for container in &options.containers {
+            let notes = CubeNotes {
+                quantity: (quantity.name(), &words),
+                unit: Some(quantity.unit()),
+                no_data: None,
+                attributes: vec![
+                    ("Conventions", "CF-1.11".into()),
+                    ("title", Value::Text(format!("{words}{by}"))),
+                    ("source", Value::Text(format!("mmxrt {}", env!("CARGO_PKG_VERSION")))),
+                    ("scene", Value::Text(report.scene.clone())),
+                ],
+                texts: vec![Text {
+                    name: "report",
+                    about: "how it was made: inputs and their hashes, effects modelled and left out, checks, warnings (JSON)",
+                    text: report_json::text(&folder.join("report.json"), report)?,
+                }],
+            };
+            let mut raster = registry::image(&image)?;
+            let path = folder.join(format!("{stem}.{}", container.ending()));
+            raster::write_cube(&mut raster, &path, *container, (stem == "cube").then_some(planes), notes, watch)?;
+        }
+        if !options.envi {
+            for ending in ["img", "hdr"] {
+                let path = folder.join(format!("{stem}.{ending}"));
+                std::fs::remove_file(&path).map_err(|e| Error::io(&path, "removing", e))?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Names and sizes, bytes, of what is in a product folder, by name.
@@ -370,13 +435,19 @@ fn write_files(
 /// [`Error::Io`].
 pub fn files(folder: &Path) -> Result<Vec<(String, u64)>> {
     let io = |e| Error::io(folder, "reading", e);
-    let mut files = Vec::new();
+    let mut found = Vec::new();
     for entry in folder.read_dir().map_err(io)? {
         let entry = entry.map_err(io)?;
-        files.push((entry.file_name().to_string_lossy().into_owned(), entry.metadata().map_err(io)?.len()));
+        let about = entry.metadata().map_err(io)?;
+        // Of a folder, the bytes in it.
+        let bytes = match about.is_dir() {
+            true => files(&entry.path())?.iter().map(|(_, bytes)| bytes).sum(),
+            false => about.len(),
+        };
+        found.push((entry.file_name().to_string_lossy().into_owned(), bytes));
     }
-    files.sort();
-    Ok(files)
+    found.sort();
+    Ok(found)
 }
 
 /// Says which checks of a product do not hold, and whose fault that is: of what a table from elsewhere says, or ours.
@@ -407,6 +478,7 @@ fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductRepo
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
         scene: subject.id.clone(),
         inputs: subject.inputs.iter().map(Input::from).collect(),
+        settings: subject.settings.clone(),
         image: ImageEntry {
             samples: *samples as u64,
             lines: *lines as u64,

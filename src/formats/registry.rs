@@ -43,6 +43,9 @@ pub static ALL: &[&Format] = &[
     &raster::esri::ESRI,
     &raster::pds3::PDS3,
     &raster::isis::ISIS,
+    &raster::netcdf::NETCDF,
+    &raster::fits::FITS,
+    &raster::zarr::ZARR,
     &database::DATABASE,
     &ccsds::OEM,
     &ccsds::AEM,
@@ -127,13 +130,14 @@ pub fn of_spectra(path: &Path) -> Option<&'static Format> {
 /// | ESRI ASCII grid (`.asc`) | `NODATA_value`, cell size |
 /// | PDS3, PDS4 | IMAGE; the first array of two or three axes; scaling and constants for no data; where a map lies |
 /// | ISIS cube | bands or tiles, base and multiplier; special pixels are NaN; where a map lies |
+/// | NetCDF, HDF5, FITS, Zarr | the array of three axes, or all of two that are alike; wavelengths, where a map lies |
 /// | NumPy (`.npy`, `.npz` with one array of numbers or one named `raster`) | \[row, column\] or \[row, column, band\]; of one axis: one row |
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Syntax`] and [`Error::Invalid`] at all places of a header that cannot be used, for a file that is
 /// not as long as its header says, and a partner that is not there; [`Error::Unsupported`] for what is not read.
 pub fn image(path: &Path) -> Result<Raster> {
-    let beginning = input::beginning(path, BEGINNING)?;
+    let beginning = if path.is_dir() { Vec::new() } else { input::beginning(path, BEGINNING)? };
     let called = called(path, Format::is_image);
     let format = if holds_numbers_alone(path) {
         called.unwrap_or(&ENVI)

@@ -35,6 +35,9 @@ pub struct ProductReport {
     pub scene: String,
     /// Every file the result depends on.
     pub inputs: Vec<Input>,
+    /// What of the scene file was replaced, as `KEY=VALUE`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub settings: Vec<String>,
     /// Size of the image.
     pub image: ImageEntry,
     /// Which way is which in it.
@@ -391,9 +394,17 @@ pub fn run_schema() -> Schema {
 /// [`Error::Io`] if the file cannot be written.
 pub fn write(path: &Path, value: &impl Serialize) -> Result<()> {
     let io = |e| Error::io(path, "writing", e);
-    let text = serde_json::to_string_pretty(value).map_err(|e| io(e.into()))?;
-    let mut file = File::create(path).map_err(io)?;
-    file.write_all(text.as_bytes()).and_then(|()| file.write_all(b"\n")).map_err(io)
+    let text = text(path, value)?;
+    File::create(path).and_then(|mut file| file.write_all(text.as_bytes())).map_err(io)
+}
+
+/// The text of such a file.
+///
+/// # Errors
+/// [`Error::Io`].
+pub(super) fn text(path: &Path, value: &impl Serialize) -> Result<String> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| Error::io(path, "writing", e.into()))?;
+    Ok(text + "\n")
 }
 
 /// Reads a [`ProductReport`] or a [`Run`].

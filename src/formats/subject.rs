@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::scene_toml::{self, SceneFile, Stated};
-use super::{InputFile, npz};
+use super::{InputFile, Setting, npz};
 use crate::error::{Error, Location, Problem, Result};
 use crate::instrument::Chain;
 use crate::product::FacetTable;
@@ -26,6 +26,8 @@ pub struct Subject {
     pub id: String,
     /// Every file that it depends on: the scene file first.
     pub inputs: Vec<InputFile>,
+    /// What of the scene file was replaced, as it was said.
+    pub settings: Vec<String>,
     /// What the input left to this program, and what was taken.
     pub defaults: Vec<Stated>,
     /// What a reader of its products should know.
@@ -34,7 +36,7 @@ pub struct Subject {
 
 impl From<SceneFile> for Subject {
     fn from(file: SceneFile) -> Self {
-        let id = scene_toml::id(&file.inputs);
+        let id = scene_toml::id(&file.inputs, &file.settings);
         let (motion, chain) = (file.motion, file.chain);
         Subject {
             scene: file.scene,
@@ -42,6 +44,7 @@ impl From<SceneFile> for Subject {
             chain,
             id,
             inputs: file.inputs,
+            settings: file.settings,
             defaults: file.defaults,
             warnings: file.notes,
         }
@@ -59,7 +62,15 @@ impl Subject {
     /// # Errors
     /// Those of [`scene_toml::read`] and of [`SceneFile::simulable`].
     pub fn open(path: &Path, watch: Watch<'_>) -> Result<Self> {
-        let file = scene_toml::read(path, watch)?;
+        Self::open_with(path, &[], watch)
+    }
+
+    /// The same, with some items of the file replaced.
+    ///
+    /// # Errors
+    /// As [`open`](Subject::open), and those of [`scene_toml::read_with`].
+    pub fn open_with(path: &Path, settings: &[Setting], watch: Watch<'_>) -> Result<Self> {
+        let file = scene_toml::read_with(path, settings, watch)?;
         file.simulable()?;
         Ok(file.into())
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::folder::Staged;
-use crate::formats::{matches_csv, registry};
+use crate::formats::{matches_csv, product_image, registry};
 use crate::progress::{Watch, tell};
 use crate::study::coregister::{Image, Quality, Truth, Windows, quality, tried};
 
@@ -20,12 +20,12 @@ pub fn coregister(
     output: Option<(&Path, bool)>,
     watch: Watch<'_>,
 ) -> Result<Quality> {
-    let (cube, displacement) = (product.join("cube.img"), product.join("displacement.img"));
+    let (cube, displacement) = (product_image(product, "cube"), product.join("displacement.img"));
     let staged = output.map(|(target, replace)| Staged::file(target, replace)).transpose()?;
     if let Some(staged) = &staged {
         staged.spares([cube.as_path(), displacement.as_path()])?;
     }
-    if cube.is_file() && !displacement.is_file() {
+    if cube.exists() && !displacement.is_file() {
         let problem =
             Problem::new(Location::file(product), "has no displacement.img: all its bands were taken at once");
         let help = "simulate a scene with a `[flight]` and `kind = \"tunable_filter\"`";

@@ -6,7 +6,7 @@ use super::locate::acquired;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::folder::Staged;
 use crate::formats::report_json::{self, ProductReport};
-use crate::formats::{Subject, ortho_folder, registry, scene_toml};
+use crate::formats::{Setting, Subject, ortho_folder, product_image, registry, scene_toml};
 use crate::product::{MapGrid, Plane};
 use crate::progress::Watch;
 use crate::scene::Readout;
@@ -48,7 +48,12 @@ fn subject_and_cube(of: &Path, campaign: Option<&Path>, watch: Watch<'_>) -> Res
             let help = "a relative path starts where the product was made: run this from there";
             return Err(Error::Invalid(vec![problem.with_help(help)]));
         }
-        (None, Some(scene)) => Subject::from(scene_toml::read(Path::new(&scene.path), watch)?),
+        (None, Some(scene)) => {
+            let settings: std::result::Result<Vec<Setting>, String> =
+                report.settings.iter().map(|s| s.parse()).collect();
+            let settings = settings.map_err(|e| Error::invalid(Location::file(of).with_item("settings"), e))?;
+            Subject::from(scene_toml::read_with(Path::new(&scene.path), &settings, watch)?)
+        }
         (None, None) => {
             return Err(Error::invalid(Location::file(of), "its report names no scene: name the scene file"));
         }
@@ -69,7 +74,7 @@ fn subject_and_cube(of: &Path, campaign: Option<&Path>, watch: Watch<'_>) -> Res
         };
         return Err(Error::Invalid(vec![Problem::new(Location::file(of), message).with_help(help)]));
     }
-    Ok((subject, Some(of.join("cube.img"))))
+    Ok((subject, Some(product_image(of, "cube"))))
 }
 
 /// Lays the image of a scene or product, of a campaign with its file, on the ground, and fills a folder (whether it may be replaced) with the map and its look-up table. Of a tunable filter one band

@@ -42,7 +42,7 @@ pub use texture::Grain;
 pub use version_1::RecipeOne;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Mesh, index_u32};
+use crate::geometry::{MaterialId, Mesh, index_u32};
 use crate::progress::{Watch, tell};
 use area::Lie;
 use base::{Base, ON_BODY_PER_M, rounded_m};
@@ -88,6 +88,10 @@ pub struct Landscape {
     pub grain: Option<Grain>,
     /// Facets of the ground that face the body they lie on.
     pub folded: usize,
+    /// Side of the site, m.
+    pub size_m: f64,
+    /// From the lowest to the highest point of the site's ground, over what it lies on, m.
+    pub relief_m: f64,
 }
 
 impl Landscape {
@@ -111,7 +115,13 @@ impl Landscape {
                 self.folded
             )
         });
-        told.into_iter().chain(folded).collect()
+        let high = (self.relief_m > self.size_m).then(|| {
+            format!(
+                "the ground is {:.0} m from its lowest to its highest point, on a site of {:.0} m: does a raster have numbers for no data that it does not state, or another unit?",
+                self.relief_m, self.size_m
+            )
+        });
+        told.into_iter().chain(folded).chain(high).collect()
     }
 }
 
@@ -172,6 +182,7 @@ pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<
     let sheet = sheet::Sheet::new(&division, &ground, base, watch)?;
     let wrap = report.map(|report| WrapReport { seam_m: sheet.seam_m(), ..report });
     let folded = sheet.folded();
+    let relief_m = sheet.relief_m(0.5 * recipe.size_m);
 
     let materials = material::materials(recipe);
     let balls: Vec<Ball> = (1..=division::FINEST).map(Ball::new).collect();
@@ -221,7 +232,26 @@ pub fn generate(recipe: &Recipe, sources: &Sources, watch: Watch<'_>) -> Result<
         depth_m: c.depth_m,
         shown: presence(c.diameter_m, division.grading.step_at_m(c.x_m, c.y_m)) > 0.0,
     });
-    Ok(Landscape { mesh, beyond, origin_m, wrap, materials, craters: craters.collect(), boulders: made, grain, folded })
+    Ok(Landscape {
+        mesh,
+        beyond,
+        origin_m,
+        wrap,
+        materials,
+        craters: craters.collect(),
+        boulders: made,
+        grain,
+        folded,
+        size_m: recipe.size_m,
+        relief_m,
+    })
+}
+
+/// The built-in Phobos as a mesh of 20 `frequency`^2 facets, m from its centre, body-fixed: the ellipsoid of 12.95 x 11.30 x 9.16 km with Stickney and further craters.
+pub fn phobos(frequency: u32) -> Mesh {
+    let ball = Ball::new(frequency.max(1));
+    let material = vec![MaterialId(0); ball.facets.len()];
+    Mesh { vertices_m: body::of_phobos_m(&ball.vertices), facets: ball.facets, material, ..Mesh::default() }
 }
 
 /// Refuses a mesh of which a vertex has no place, because the body under it has no surface there, or several.

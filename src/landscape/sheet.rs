@@ -109,6 +109,15 @@ impl Sheet {
         above_m(DVec3::new(x_m, y_m, 0.0), corners, DVec3::Z).map_or(corners[0].z, |above_m| -above_m)
     }
 
+    /// From the lowest to the highest vertex of a square site with this half side, over the base, m.
+    pub(super) fn relief_m(&self, half_m: f64) -> f64 {
+        let is_within = |place: &[f64; 2]| place.iter().all(|p_m| p_m.abs() <= half_m);
+        let of_site = self.places_m.iter().zip(&self.heights_m).filter(|(place, _)| is_within(place));
+        let [lowest_m, highest_m] = of_site
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[lowest, highest], (_, h)| [lowest.min(*h), highest.max(*h)]);
+        (highest_m - lowest_m).max(0.0)
+    }
+
     /// Where the vertices lie on the map, m.
     pub(super) fn places_m(&self) -> &[[f64; 2]] {
         &self.places_m

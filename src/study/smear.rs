@@ -99,7 +99,7 @@ impl Moving<'_> {
         let px = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
         let lines = format!("from line to line the slit goes on by {px:.2} pixels of the ground");
         if px < ADVANCE_PX[0] {
-            let help = "a push-broom flies across its slit: leave `target_m` out, and take `up = \"backward\"` in `[flight.pointing]`, or a longer `period_s`";
+            let help = "a push-broom flies across its slit and lets the ground go by: a longer `period_s` puts lines farther apart; with a `target_m` in `[flight.pointing]` it would be kept on one place";
             return Some(format!("{lines}: lines show nearly the same ({help})"));
         }
         (px > ADVANCE_PX[1])

@@ -364,3 +364,27 @@ fn a_scene_that_is_still_being_made_can_be_interrupted() {
     assert!(began.elapsed().as_secs() < 20);
     assert_eq!(scratch.names(), ["scene.toml"]);
 }
+
+#[test]
+fn shells_and_manuals_know_all_commands() {
+    let scratch = Scratch::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let (code, script, err) = run(&["completions", shell]);
+        assert_eq!((code, err.as_str()), (0, ""));
+        for word in ["simulate", "landscape", "tolerance"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    let (code, _, err) = run(&["man", &scratch.argument("man1")]);
+    assert_eq!(code, 0, "{err}");
+    let names = std::fs::read_dir(scratch.join("man1")).unwrap().count();
+    let page = std::fs::read_to_string(scratch.join("man1/mmxrt-simulate.1")).unwrap();
+    // A page for each command that the help names, and one for all.
+    let (_, help, _) = run(&["--help"]);
+    let commands = help.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
+    let listed = commands.filter(|l| l.starts_with("  ") && !l.starts_with("   ") && !l.contains("  help ")).count();
+    assert!(listed > 10);
+    assert_eq!(names, listed + 1);
+    assert!(page.contains(".TH mmxrt-simulate 1") && page.contains("\\-\\-tolerance"), "{page}");
+    assert_eq!(run(&["man", &scratch.argument("man1")]).0, 1);
+}

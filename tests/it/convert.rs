@@ -7,7 +7,7 @@ use mmxrt::progress::unwatched;
 use mmxrt::scene::{Photometry, Scene, SunModel};
 use serde_json::Value;
 
-use crate::cli::{mmxrt, run};
+use crate::cli::run;
 use crate::scratch::Scratch;
 
 /// Everything that a scene file can say, with names and numbers that are easily lost.
@@ -293,7 +293,7 @@ fn differences_are_those_of_meaning() {
 fn formats_are_told_and_listed() {
     let scratch = prepared(SCENE);
     let (code, out, _) = run(&["convert", "--list"]);
-    assert_eq!((code, out.lines().count()), (0, 33), "{out}");
+    assert_eq!((code, out.lines().count()), (0, 36), "{out}");
     let (_, out, _) = run(&["convert", "--list", "--json"]);
     let json: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(json["formats"][4]["name"], "glb");
@@ -441,7 +441,7 @@ fn spectra_go_through_every_format() {
     let source = argument("plain.csv");
     let strict: Vec<_> = (0..8)
         .map(|i| {
-            let mut command = mmxrt();
+            let mut command = crate::cli::mmxrt();
             command.args(["convert", &source, &argument(&format!("strict-{i}.sli")), "--strict"]);
             std::thread::spawn(move || command.output().unwrap())
         })

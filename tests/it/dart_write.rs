@@ -674,6 +674,7 @@ fn filter_curves_that_become_rectangles_are_told_with_what_that_costs() {
 
 /// A push-broom over a site on the equator, straight down: three lines 10 s apart, 12 m/s towards the South; the Sun sinks in the West by 0.013065 deg/s.
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn exposures_become_a_sequence() {
     let timing = Timing { readout: Readout::Line, period_s: 10.0, exposure_s: 0.0, poses: 1 };
     let motion = crate::past::over(DVec3::new(0.0, 0.0, -12.0), 40.0);

@@ -106,7 +106,10 @@ fn tiff_is_read_in_every_layout_that_gdal_wrote() {
     assert_band(&mut degrees, 0, positive);
     assert_eq!(degrees.spacing_m(), None);
     let [west, south, east, north] = degrees.extent_deg().unwrap();
-    assert!(west == 10.0 && north == 5.0 && (south - 3.4).abs() < 1e-12 && (east - 12.4).abs() < 1e-12, "{south} {east}");
+    assert!(
+        west == 10.0 && north == 5.0 && (south - 3.4).abs() < 1e-12 && (east - 12.4).abs() < 1e-12,
+        "{south} {east}"
+    );
     // Of four tiles one is there.
     let mut sparse = open(&path("sparse.tif"));
     let corner = |row, column| if row < 8 && column < 8 { quarters(row, column) } else { f64::NAN };
@@ -318,7 +321,7 @@ fn elevation_models_are_inspected_and_converted_and_others_name_their_line() {
     let json: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert_eq!(json["spacing_m"], serde_json::json!([50.0, 50.0]));
     for (name, bytes) in
-        [("a.jp2", &b"\0\0\0\x0cjP  \r\n\x87\n"[..]), ("a.nc", b"CDF\x01"), ("a.h5", b"\x89HDF\r\n\x1a\n")]
+        [("a.jp2", &b"\0\0\0\x0cjP  \r\n\x87\n"[..]), ("a.hdf", b"\x0e\x03\x13\x01"), ("a.nitf", b"NITF02.10")]
     {
         let error = refused(&folder.write(name, bytes));
         assert!(error.contains("gdal_translate -of ENVI"), "{error}");

@@ -197,6 +197,7 @@ fn a_file_that_ends_is_not_continued_roughly() {
 
 /// A filter's bands become a sequence of DART simulations, which comes back as a flight table; other formats have the middle moment, and it is said.
 #[test]
+#[cfg_attr(not(feature = "sqlite"), ignore = "SKIPPED: needs the feature sqlite")]
 fn a_moving_scene_becomes_a_sequence_of_dart() {
     let scratch = Scratch::new();
     let kind = "samples = 8\nkind = \"tunable_filter\"\nperiod_s = 20.0\nexposure_s = 0.1";

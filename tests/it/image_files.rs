@@ -474,11 +474,11 @@ fn compressed_arrays_are_read_and_say_how_many_bands_they_have() {
 fn other_formats_are_named_with_the_line_that_converts_them() {
     let folder = Scratch::new();
     for (name, bytes, what) in [
-        ("t.fits", &b"SIMPLE  =                    T"[..], "FITS"),
+        ("t.nitf", &b"NITF02.10"[..], "NITF"),
         ("t.jp2", b"\0\0\0\x0cjP  \r\n\x87\n", "JPEG 2000"),
         ("t.img", b"EHFA_HEADER_TAG\0", "ERDAS Imagine"),
         ("t.vic", b"LBLSIZE=512", "VICAR"),
-        ("nameless", b"CDF\x01\0\0\0\0", "NetCDF"),
+        ("nameless", b"\x0e\x03\x13\x01\0\0\0\0", "HDF4"),
     ] {
         folder.write(name, bytes);
         for command in [&["inspect"][..], &["convert"]] {

@@ -82,6 +82,30 @@ fn radiance_maps_begin_at_the_longitude_that_they_say() {
 }
 
 #[test]
+fn maps_in_metres_are_of_a_whole_body_only_if_they_can_be() {
+    let scratch = prepared(&[]);
+    scratch.write(
+        "map.map.toml",
+        "mmxrt_map = 1\nquantity = \"radiance\"\nunit = \"W m-2 sr-1 um-1\"\nbands = { centres_um = [1.0] }\nplacement = \"lonlat\"\nwest_deg = 0\n",
+    );
+    let integrate = |lines: usize| {
+        scratch.write("map.img", [1.0_f32, 2.0, 3.0, 4.0].map(f32::to_le_bytes).concat().repeat(lines));
+        let place = "map info = {Cylindrical, 1, 1, 0, 6, 6, 6, units=Meters}";
+        let head =
+            format!("ENVI\nsamples = 4\nlines = {lines}\nbands = 1\ndata type = 4\nbyte order = 0\ninterleave = bsq\n");
+        scratch.write("map.hdr", format!("{head}{place}\n"));
+        let (scene, map, out) = (scratch.argument("scene.toml"), scratch.argument("map.img"), scratch.argument("out"));
+        run(&["integrate", &scene, "--radiance", &map, "-o", &out, "--dtype", "f64", "--force"])
+    };
+    // 24 x 12 m, around a body; and 24 x 24 m, as no cylindrical map of a whole body is.
+    let (code, _, err) = integrate(2);
+    assert!(code == 0 && err.contains("24 x 12 m: taken for the whole body"), "{err}");
+    assert_quarters(&cube(&scratch), [1.0, 2.0, 3.0, 4.0], "metres");
+    let (code, _, err) = integrate(4);
+    assert!(code == 1 && err.contains("twice as wide as it is high"), "{err}");
+}
+
+#[test]
 fn textures_lie_by_longitude_and_latitude() {
     let texture = "reflectance = 0.1, texture = { raster = \"map.csv\", quantity = \"reflectance\", placement = \"lonlat\", west_deg = -180 }";
     let scratch =

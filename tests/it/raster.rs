@@ -515,7 +515,9 @@ fn what_is_no_raster_is_refused_with_what_to_do() {
     for (name, bytes, message) in [
         ("a.tif", &b"II*\0rest"[..], "not a complete TIFF: it is cut short"),
         ("a.jp2", b"\0\0\0\x0cjP  rest", "JPEG 2000 (`gdal_translate -of ENVI a.jp2 a_envi.img`"),
-        ("a.nc", b"\x89HDF\r\n\x1a\n", "HDF5 (NetCDF-4)"),
+        ("a.nc", b"\x89HDF\r\n\x1a\n", "cannot be read as NetCDF or HDF5"),
+        ("b.nc", b"not", "cannot be read as NetCDF or HDF5"),
+        ("a.fits", b"not", "begins with \"not\", as no whole .fits file does"),
         ("a.bin", b"1234", "its header is not beside it"),
         ("a.hdr", b"ENVI\nsamples = 1\n", "its data file is not beside it"),
         ("a.exr", b"not", "begins with \"not\", as no whole .exr file does"),

@@ -133,6 +133,7 @@ fn split_vertices_of_a_body_leave_no_creases() {
             "straight up",
         ),
         ("lonlat_deg = [32.0, 13.0]", "target_m = [8.0, 5.0, 3.0]", "is it in km?"),
+        ("lonlat_deg = [32.0, 13.0]", "target_m = [90000.0, 0.0, 0.0]", "it misses the body"),
     ] {
         scratch.write("recipe.toml", recipe.replace(from, to));
         let (code, _, err) = run(&["landscape", &scratch.argument("recipe.toml"), "-o", &scratch.argument("no.obj")]);
@@ -227,4 +228,27 @@ fn a_recipes_texture_is_on_its_landscape_within_a_scene() {
         err.contains("has another texture") && err.contains("have no texture coordinates: the texture is not on them"),
         "{err}"
     );
+}
+
+#[test]
+fn heights_larger_than_the_site_are_warned_of() {
+    let scratch = Scratch::new();
+    let rows =
+        (0..16).map(|row| (0..16).map(|c| if (row, c) == (5, 5) { "-9998 " } else { "1 " }).collect::<String>() + "\n");
+    let grid = format!(
+        "ncols 16\nnrows 16\nxllcorner 0\nyllcorner 0\ncellsize 25\nNODATA_value -1\n{}",
+        rows.collect::<String>()
+    );
+    scratch.write("tile.asc", &grid);
+    let recipe =
+        "version = 2\nseed = 1\nsize_m = 400.0\nfacets = 2000\n[[relief]]\nkind = \"elevation\"\nfile = \"tile.asc\"\n";
+    scratch.write("recipe.toml", recipe);
+    let made = |out: &str| {
+        let (code, _, err) = run(&["landscape", &scratch.argument("recipe.toml"), "-o", &scratch.argument(out)]);
+        assert_eq!(code, 0, "{err}");
+        err
+    };
+    assert!(made("a.obj").contains("from its lowest to its highest point"));
+    scratch.write("tile.asc", grid.replace("-9998", "9"));
+    assert!(!made("b.obj").contains("from its lowest"));
 }

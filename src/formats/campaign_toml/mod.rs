@@ -161,7 +161,7 @@ impl Campaign {
         };
         put(b"mmxrt campaign 1");
         put(env!("CARGO_PKG_VERSION").as_bytes());
-        put(id(self.inputs()).as_bytes());
+        put(id(self.inputs(), &[]).as_bytes());
         put(&acquisition.epoch.tdb_s().to_le_bytes());
         if let Some(Entry { changes, target_m, .. }) = self.entries.get(acquisition.entry) {
             put(changes.as_bytes());
@@ -178,7 +178,7 @@ impl Campaign {
         let mut variant = self.variant(acquisition.entry)?;
         variant.motion.start = acquisition.epoch;
         let named = |parts: &[&str]| blake3::hash(parts.join("\n").as_bytes()).to_hex().to_string();
-        let sights_id = named(&[&self.entry_id(acquisition), &id(&variant.inputs)]);
+        let sights_id = named(&[&self.entry_id(acquisition), &id(&variant.inputs, &[])]);
         let Request { choice, tolerance } = &self.request;
         let options = format!("{:?} {choice} {:016x}", self.options, tolerance.to_bits());
         let product_id = named(&[&sights_id, &options]);
@@ -194,7 +194,7 @@ impl Campaign {
         let scene = self.template.scene(&variant).map_err(|error| self.placed(acquisition, error))?;
         let Variant { motion, timing, chain, inputs, defaults, notes, .. } = variant;
         let motion = Some((motion, timing));
-        Ok(Subject { scene, motion, chain, id: product_id, inputs, defaults, warnings: notes })
+        Ok(Subject { scene, motion, chain, id: product_id, inputs, settings: vec![], defaults, warnings: notes })
     }
 
     /// What is wrong with an acquisition, at its place in the file.

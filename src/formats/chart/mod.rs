@@ -35,6 +35,7 @@ const KIND: FolderKind = FolderKind {
         "stability.html",
         "mitsuba",
     ],
+    holds: None,
 };
 
 /// Pixels of a PNG for a px of the drawing.

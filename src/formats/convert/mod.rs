@@ -141,7 +141,7 @@ pub enum Content {
 }
 
 /// The folder of a scene.
-const SCENE: FolderKind = FolderKind { marks: &["scene.toml"], parts: &["scene."] };
+const SCENE: FolderKind = FolderKind { marks: &["scene.toml"], parts: &["scene."], holds: None };
 
 /// Reads `input` and writes `output`.
 ///

@@ -38,6 +38,7 @@ use super::simulation::{Object, Simulation};
 const SIMULATION: FolderKind = FolderKind {
     marks: &[sidecar::FILE, "input"],
     parts: &["README.md", sidecar::FILE, "input", "flight.xml", "mars", "check"],
+    holds: None,
 };
 
 /// Writes a simulation's folder. It appears whole or not at all.

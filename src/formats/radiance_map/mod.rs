@@ -20,6 +20,7 @@ use glam::DVec3;
 use super::dart::{self, output as dart_output, output::RegistrationMode};
 use super::input;
 use super::located::Document;
+use super::product_image::product_image;
 use super::raster::Raster;
 use super::raster::headers::ILWIS;
 use super::registry;
@@ -83,7 +84,7 @@ pub fn open(path: &Path, scene: &Scene, weight: f64, watch: Watch<'_>) -> Result
         let notes = facets::doubts(path, scene)?;
         return Ok(Opened { maps: vec![map], inputs: vec![input], notes });
     }
-    if path.join("report.json").is_file() && path.join("cube.img").is_file() {
+    if path.join("report.json").is_file() && product_image(path, "cube").exists() {
         let problem = Problem::new(Location::file(path), "is a product: a map is one of its images");
         let help = format!(
             "name {0}/cube.img, and say in {0}/cube.map.toml what its numbers are and where they lie: `quantity`, `unit` and `placement`",

@@ -4,10 +4,13 @@
 //! bands, as many are read in one pass as fit in 256 MiB; no more of a file is in memory, except for those compressed as a whole:
 //! OpenEXR (see `exr.rs`).
 
+mod arrays;
 mod blocks;
 mod compare;
+mod cube_dataset;
 pub(super) mod esri;
 pub(super) mod exr;
+pub(super) mod fits;
 mod geo_keys;
 pub(super) mod headers;
 pub(super) mod isis;
@@ -16,6 +19,7 @@ mod layers;
 mod lengths;
 mod mask;
 mod names;
+pub(super) mod netcdf;
 pub(super) mod npy;
 pub(super) mod pds3;
 pub(super) mod pds4;
@@ -28,6 +32,7 @@ pub(super) mod text;
 pub(super) mod tiff;
 mod tiff_packing;
 mod write;
+pub(super) mod zarr;
 
 use std::io::Cursor;
 use std::ops::Range;
@@ -40,9 +45,11 @@ use crate::report::{Fate, Report};
 use crate::spectral::Band;
 
 pub use self::compare::{differences, statistics};
+pub(super) use self::cube_dataset::CubeNotes;
 pub(super) use self::lengths::metres;
 pub(crate) use self::names::{bare_number, colour};
 pub(crate) use self::place::Georeference;
+pub(super) use self::write::write_cube;
 pub use self::write::{Options, Target, write};
 use super::envi::Scale;
 use super::ilwis;
@@ -141,6 +148,10 @@ enum BandReader {
     Exr(exr::Channels),
     Blocks(Blocks),
     Tiff(Chunks),
+    /// Each band by itself.
+    Flats(Vec<Flat>),
+    NetCdf(netcdf::Bands),
+    Zarr(zarr::Bands),
     /// Of so many samples: colours, and perhaps coverage behind them.
     Png {
         samples: usize,
@@ -392,7 +403,10 @@ impl Raster {
             BandReader::Png { .. } => PASS_BYTES / (8 * pixels),
             BandReader::Tiff(chunks) if !chunks.is_banded() => PASS_BYTES / (8 * pixels),
             BandReader::Exr(channels) => channels.together(pixels).max(2),
-            BandReader::Flat(_)
+            BandReader::NetCdf(bands) => bands.together(PASS_BYTES / (8 * pixels)),
+            BandReader::Zarr(bands) => bands.together(PASS_BYTES / (8 * pixels)),
+            BandReader::Flats(_)
+            | BandReader::Flat(_)
             | BandReader::Unpacked(..)
             | BandReader::Held(_)
             | BandReader::Blocks(_)
@@ -409,7 +423,9 @@ impl Raster {
                 BandReader::Exr(channels) => channels.count(),
                 BandReader::Png { samples } => *samples,
                 BandReader::Tiff(chunks) => chunks.together(),
-                BandReader::Held(_) | BandReader::Blocks(_) => self.in_file.len(),
+                BandReader::NetCdf(of) => of.count,
+                BandReader::Zarr(of) => of.count,
+                BandReader::Held(_) | BandReader::Blocks(_) | BandReader::Flats(_) => self.in_file.len(),
             };
             let bands = first..all.min(first + together);
             let before = std::mem::take(&mut self.pass).numbers;
@@ -444,6 +460,12 @@ impl Raster {
             }
             BandReader::Blocks(blocks) => blocks.read(&self.path, bands, values)?,
             BandReader::Tiff(chunks) => chunks.read(&self.path, bands, values)?,
+            BandReader::Flats(flats) => {
+                let planes = values.chunks_exact_mut(self.pixels());
+                bands.zip(planes).try_for_each(|(band, plane)| flats[band].read(&self.path, 0..1, plane))?;
+            }
+            BandReader::NetCdf(of) => of.read(&self.path, bands, values)?,
+            BandReader::Zarr(of) => of.read(bands, values)?,
             BandReader::Png { .. } => picture::read(&self.path, bands, values)?,
             BandReader::Held(held) => {
                 values.copy_from_slice(&held[bands.start * self.pixels()..bands.end * self.pixels()])

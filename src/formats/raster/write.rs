@@ -6,14 +6,18 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use crate::error::{Error, Location, Problem, Result};
+use crate::formats::container::Container;
+use crate::formats::dataset::Value;
 use crate::formats::envi::{self, HeaderText, Interleave};
-use crate::formats::folder::Staged;
+use crate::formats::folder::{FolderKind, Staged};
 use crate::formats::number::DataType;
 use crate::formats::{exr_cube, ilwis, npy};
+use crate::product::{Backplanes, Quantity};
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
 use crate::spectral::Band;
 
+use super::cube_dataset::{self, CubeNotes};
 use super::{PASS_BYTES, Raster, RasterBand, resize};
 use crate::formats::flat::{AxisOrder, Flat, FlatFile};
 
@@ -30,10 +34,15 @@ pub enum Target {
     Npy,
     /// Comma-separated numbers, a line for each row.
     Csv,
+    /// NetCDF, Zarr or FITS.
+    Container(Container),
 }
 
 /// Endings of the files of a map of ILWIS: header, numbers, georeference, its corners.
 const ILWIS: [&str; 4] = ["mpr", "mp#", "grf", "gr#"];
+
+/// A folder of Zarr. It holds a folder for each array, whatever that is called.
+const ZARR: FolderKind = FolderKind { marks: &["zarr.json"], parts: &["zarr.json"], holds: Some("zarr.json") };
 
 /// What is left to the caller.
 #[derive(Debug, Clone, Default)]
@@ -77,6 +86,7 @@ pub fn write(
     };
     let data_type = match target {
         Target::Envi(_) | Target::Npy => options.data_type.unwrap_or(own),
+        Target::Container(container) => container.type_of(options.data_type.unwrap_or(own)),
         Target::Exr => DataType::F32,
         Target::Ilwis | Target::Csv => DataType::F64,
     };
@@ -92,7 +102,10 @@ pub fn write(
     // Of a map's four files one is named; if none is, the one by which it is read.
     let is_part = path.extension().is_some_and(|e| ILWIS.iter().any(|part| e.eq_ignore_ascii_case(part)));
     let main = if target == Target::Ilwis && !is_part { &path.with_extension(ILWIS[0]) } else { path };
-    let mut staged = Staged::file(main, options.replace)?;
+    let mut staged = match target {
+        Target::Container(Container::Zarr) => Staged::folder_of(&ZARR, main, options.replace)?,
+        _ => Staged::file(main, options.replace)?,
+    };
     let mut job = Job { raster, chosen: chosen.clone(), data_type, loss: Loss::default(), watch };
     let (rows, columns) = (job.raster.rows, job.raster.columns);
     let flat = |order| Flat::new([rows, columns, chosen.len()], data_type, order);
@@ -161,10 +174,38 @@ pub fn write(
         Target::Csv => {
             job.text(&staged)?;
         }
+        Target::Container(container) => job.container(&staged, container, &bands)?,
     }
     let loss = job.loss;
     loss.tell(raster, data_type, target, report);
     Ok(staged)
+}
+
+/// Writes a cube, with what is said of it and planes that belong to it, into a new file, or a new folder. Nothing is told: its numbers are written as they are,
+/// or in a type that holds them all.
+///
+/// # Errors
+/// [`Error::Io`], what [`Raster::read`] says, [`Error::Interrupted`] if `watch` asks to stop.
+pub(in crate::formats) fn write_cube(
+    raster: &mut Raster,
+    path: &Path,
+    container: Container,
+    planes: Option<&Backplanes>,
+    notes: CubeNotes<'_>,
+    watch: Watch<'_>,
+) -> Result<()> {
+    let data_type = container.type_of(raster.data_type);
+    let size = [raster.rows, raster.columns];
+    let data = cube_dataset::of_cube(size, &raster.bands, data_type, planes, None, notes);
+    let mut band = Vec::new();
+    container.write(path, &data, |_, mut file| {
+        for i in 0..raster.bands.len() {
+            tell(watch, "writing the cube in other formats", i as u64, raster.bands.len() as u64)?;
+            raster.read(i, &mut band)?;
+            file.tile(0..raster.rows, i..i + 1, &band).map_err(|e| Error::io(path, "writing", e))?;
+        }
+        Ok(())
+    })
 }
 
 /// What the numbers lose.
@@ -262,7 +303,7 @@ impl Loss {
 fn tell_places(raster: &Raster, target: Target, bands: &[RasterBand], all_bands: bool, report: &mut Report) {
     let at = |item: &str| Location::file(&raster.path).with_item(item);
     let mut dropped = |item: &str, message: String| report.note(Fate::Dropped, at(item), message);
-    let is_envi = matches!(target, Target::Envi(_));
+    let is_envi = matches!(target, Target::Envi(_) | Target::Container(_));
     let (wave, width) = (bands.iter().any(|b| b.centre_um.is_some()), bands.iter().any(|b| b.fwhm_um.is_some()));
     if wave && !(is_envi || target == Target::Exr) {
         dropped("wavelengths", "the format has no place for them".into());
@@ -282,7 +323,7 @@ fn tell_places(raster: &Raster, target: Target, bands: &[RasterBand], all_bands:
     if raster.place.is_some() && target != Target::Ilwis {
         dropped("georeference", "where the map lies is not carried over".into());
     }
-    let keeps_header = is_envi && all_bands;
+    let keeps_header = matches!(target, Target::Envi(_)) && all_bands;
     if !raster.extra.is_empty() && !keeps_header {
         let names: Vec<&str> = raster.extra.iter().map(|(key, _)| key.as_str()).collect();
         dropped("header", format!("not carried over: {}", names.join(", ")));
@@ -319,6 +360,36 @@ impl Job<'_> {
             file.tile(rows, bands.clone(), &pass[..bands.len() * pixels]).map_err(writing)?;
         }
         Ok(())
+    }
+
+    /// Writes a file, or what belongs into a folder, that says what its numbers are.
+    fn container(&mut self, staged: &Staged, container: Container, bands: &[RasterBand]) -> Result<()> {
+        let Raster { rows, columns, ignore, .. } = *self.raster;
+        let (unit, place) = (self.raster.unit.clone(), self.raster.georeference().cloned());
+        let of_unit = [Quantity::Radiance, Quantity::BandRadiance, Quantity::BrightnessTemperature, Quantity::Counts];
+        let quantity = of_unit.into_iter().find(|quantity| unit.as_deref() == Some(quantity.unit()));
+        let notes = CubeNotes {
+            quantity: quantity.map_or(("image", "Image"), |quantity| (quantity.name(), quantity.title())),
+            unit: unit.as_deref(),
+            no_data: ignore,
+            attributes: vec![
+                ("Conventions", "CF-1.11".into()),
+                ("source", Value::Text(format!("mmxrt {}", env!("CARGO_PKG_VERSION")))),
+            ],
+            texts: vec![],
+        };
+        let data = cube_dataset::of_cube([rows, columns], bands, self.data_type, None, place.as_ref(), notes);
+        let (mut band, path) = (Vec::new(), staged.path());
+        let written = container.write(path, &data, |_, mut file| {
+            for (i, chosen) in self.chosen.iter().enumerate() {
+                tell(self.watch, "converting the image", i as u64, self.chosen.len() as u64)?;
+                self.raster.read(*chosen, &mut band)?;
+                self.loss.round(self.data_type, ignore, &mut band);
+                file.tile(0..rows, i..i + 1, &band).map_err(|e| Error::io(path, "writing", e))?;
+            }
+            Ok(())
+        });
+        written.map_err(|e| staged.named(e))
     }
 
     /// Writes a band as text: the shortest decimals that are the same numbers again.

@@ -111,7 +111,7 @@ impl TomlReader<'_> {
             self.note(
                 item,
                 format!(
-                    "{left} of {} facets lie where the map has nothing: they keep the mesh's own material",
+                    "{left} of {} facets lie where the map has nothing: they keep the mesh's own material, which must then be one of `[materials]`",
                     found.len()
                 ),
             );

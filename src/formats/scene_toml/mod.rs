@@ -48,6 +48,7 @@ use super::dart::database::DATABASE;
 use super::input;
 use super::located::{self, Document};
 use super::registry;
+use super::setting::{self, Setting};
 use super::sli::SLI;
 use super::spectra;
 use super::spectrum_csv::{NOISE, Quantity};
@@ -86,6 +87,8 @@ pub struct SceneFile {
     pub chain: Option<Chain>,
     /// Which facets are copies of one mesh: those of meshes with `instances`.
     pub copies: Vec<Copies>,
+    /// What of the file was replaced, as it was said.
+    pub settings: Vec<String>,
     /// What this version reads and cannot simulate: the first such key, and why.
     unsimulated: Option<(Location, String)>,
 }
@@ -103,10 +106,16 @@ impl SceneFile {
     }
 }
 
-/// A name for what these files hold: the BLAKE3 hash of their hashes, 64 hexadecimal digits. Reports and footprints carry it.
-pub fn id(inputs: &[InputFile]) -> String {
+/// A name for what these files hold, of which some items were replaced: the BLAKE3 hash of the files' hashes and of the replacements, 64 hexadecimal digits.
+/// Reports and footprints carry it.
+pub fn id(inputs: &[InputFile], settings: &[String]) -> String {
     let mut hasher = blake3::Hasher::new();
     inputs.iter().for_each(|input| _ = hasher.update(input.blake3.as_bytes()));
+    for setting in settings {
+        // None is the beginning of another one.
+        hasher.update(&(setting.len() as u64).to_le_bytes());
+        hasher.update(setting.as_bytes());
+    }
     hasher.finalize().to_hex().to_string()
 }
 
@@ -139,12 +148,26 @@ const MARS_THERMAL_EXITANCE_W_M2: f64 = 110.0;
 /// [`Error::Invalid`] with all problems of the text, or of the values and the files named, or of the whole;
 /// [`Error::Interrupted`] if `watch` asks to stop.
 pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
-    Ok(read_for(path, None, watch)?.0)
+    read_with(path, &[], watch)
+}
+
+/// The same, with some items replaced.
+///
+/// # Errors
+/// As [`read`]; [`Error::Invalid`] for what has no place in the text.
+pub fn read_with(path: &Path, settings: &[Setting], watch: Watch<'_>) -> Result<SceneFile> {
+    Ok(read_for(path, settings, None, watch)?.0)
 }
 
 /// The same, and what the file says, for a scene that is looked at at other moments too.
-fn read_for(path: &Path, moments: Option<Moments<'_>>, watch: Watch<'_>) -> Result<(SceneFile, SceneToml)> {
+fn read_for(
+    path: &Path,
+    settings: &[Setting],
+    moments: Option<Moments<'_>>,
+    watch: Watch<'_>,
+) -> Result<(SceneFile, SceneToml)> {
     let (document, input) = Document::open(path)?;
+    let document = setting::with(document, settings)?;
     let toml: SceneToml = document.read()?;
     let mut reader = TomlReader::new(path, document, DVec3::from_array(toml.origin_m), input, watch);
     reader.is_beside_scene = false;
@@ -177,7 +200,8 @@ fn read_for(path: &Path, moments: Option<Moments<'_>>, watch: Watch<'_>) -> Resu
         _ => None,
     };
     let TomlReader { defaults, notes, inputs, motion, chain, copies, .. } = reader;
-    Ok((SceneFile { scene, defaults, notes, inputs, motion, chain, copies, unsimulated }, toml))
+    let settings = settings.iter().map(ToString::to_string).collect();
+    Ok((SceneFile { scene, defaults, notes, inputs, motion, chain, copies, settings, unsimulated }, toml))
 }
 
 /// A moving scene at the reference exposure of an image.

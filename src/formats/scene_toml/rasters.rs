@@ -359,7 +359,13 @@ impl TomlReader<'_> {
                         raster.path.display(),
                         crate::error::number(band[i])
                     );
-                    self.problem(&at("raster"), message);
+                    match band[i].is_nan() {
+                        true => {
+                            let help = "a texture is known everywhere: fill what has no data, as with 1 (`gdal_fillnodata`, or `gdalwarp -wo INIT_DEST=1`)";
+                            self.helped(&at("raster"), message, help);
+                        }
+                        false => _ = self.problem(&at("raster"), message),
+                    }
                     return None;
                 }
                 if let Some(tiling) = &tiling {
@@ -465,6 +471,23 @@ impl TomlReader<'_> {
                 self.helped(item, format!("{file}: {how}"), "`gdalwarp IN.tif OUT.tif` turns it");
                 return None;
             }
+            // The whole body in metres of a cylindrical projection is twice as wide as it is high.
+            Some(Georeference::Plane { along_line_m, line_to_line_m, .. }) => {
+                let size_m = [raster.columns as f64 * along_line_m, raster.rows as f64 * line_to_line_m];
+                let [wide, high] = size_m.map(number);
+                if (size_m[0] - 2.0 * size_m[1]).abs() > 2.0 * along_line_m.max(*line_to_line_m) {
+                    let message = format!(
+                        "{file} is {wide} x {high} m, as it says itself: a map of the whole body by longitude and latitude is twice as wide as it is high"
+                    );
+                    self.helped(item, message, "of a part of the ground: `placement = \"plane\"`");
+                    return None;
+                }
+                self.note(
+                    item,
+                    format!("{file} is {wide} x {high} m: taken for the whole body, by longitude and latitude"),
+                );
+                return Some(None);
+            }
             _ => return Some(None),
         };
         let [[west, east], [south, north]] = raster.covered_deg(corner_deg, pixel_deg);
@@ -480,7 +503,8 @@ impl TomlReader<'_> {
         if !off_px.iter().all(|off| *off < 0.5) {
             let first = if west < 0.0 { -180 } else { 0 };
             let help = format!(
-                "`gdalwarp -te {first} -90 {} 90 -dstnodata nan -ot Float32 IN.tif OUT.tif` makes it one of the whole body, without data beyond",
+                "`gdalwarp -te {first} -90 {} 90 -dstnodata nan -ot Float32 IN.tif OUT.tif` makes it one of the whole body, without data beyond; \
+                 of a texture, which must be known everywhere, `-wo INIT_DEST=1` instead of `-dstnodata nan` makes it 1 beyond",
                 first + 360
             );
             self.helped(item, format!("{covers}, and the map must be of the whole body"), help);

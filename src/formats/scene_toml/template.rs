@@ -53,7 +53,7 @@ impl Template {
     /// # Errors
     /// Those of [`read`](super::read) and of [`SceneFile::simulable`]; [`Error::Invalid`] for a scene that does not move.
     pub(in crate::formats) fn open(path: &Path, moments: Option<Moments<'_>>, watch: Watch<'_>) -> Result<Self> {
-        let (file, toml) = read_for(path, moments, watch)?;
+        let (file, toml) = read_for(path, &[], moments, watch)?;
         file.simulable()?;
         if file.motion.is_none() {
             let message = "has no table `flight`: nothing says where things are at other moments";

@@ -13,6 +13,7 @@ mod smooth;
 mod split;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::check::at;
 use super::noise::smooth_step;
@@ -59,6 +60,20 @@ pub(super) struct Wrap {
     report: WrapReport,
 }
 
+/// Where the built-in Phobos has its surface in directions from its centre, m, to 0.1 mm.
+pub(super) fn of_phobos_m(towards: &[DVec3]) -> Vec<DVec3> {
+    let phobos = Phobos::new(DVec3::ZERO);
+    let point_m = |towards: &DVec3| {
+        // From within it every ray leaves it.
+        let (point_m, _) = phobos.hit(DVec3::ZERO, *towards).unwrap_or_default();
+        (1e4 * point_m).round() / 1e4
+    };
+    towards.par_iter().map(point_m).collect()
+}
+
+/// A target farther above or below its ground than this share of its distance from the centre is none of this body.
+const MOST_OFF: f64 = 0.25;
+
 impl Wrap {
     /// # Errors
     /// [`Error::Invalid`]: a target that misses the body, a shape with holes or folds where the site lies, surroundings that reach around it.
@@ -87,7 +102,7 @@ impl Wrap {
             );
             return Err(invalid(
                 at(body.target_key(), message)
-                    .with_help("is the shape open, or its centre not within it? `offset_m` moves it"),
+                    .with_help("is the shape open, or inside out, or its centre not within it? `mmxrt inspect` of the shape says it; `mmxrt convert IN OUT --outward` turns facets, `offset_m` moves it"),
             ));
         };
         let depth_m = ground_m.dot(normal);
@@ -98,7 +113,12 @@ impl Wrap {
         if depth_m < recipe.size_m {
             let message =
                 format!("the body is {} m thick under a site of {} m", number(depth_m), number(recipe.size_m));
-            return Err(invalid(at("body", message).with_help("is the shape in km? `unit_m = 1000.0`")));
+            // Of a shape in km that is taken for m, the body is a thousand times too small.
+            let help = match depth_m < 0.1 * recipe.size_m {
+                true => "is the shape in km? `unit_m = 1000.0`",
+                false => "a site is bent onto ground that goes on around it: make `size_m` smaller",
+            };
+            return Err(invalid(at("body", message).with_help(help)));
         }
         let target_m = body.target_m.map_or(ground_m, DVec3::from_array);
         // Nobody means a target a thousand times nearer to the centre than the ground.
@@ -110,6 +130,16 @@ impl Wrap {
                 number(ground_m.length())
             );
             return Err(invalid(at(body.target_key(), message).with_help("targets are in m: is it in km?")));
+        }
+        let off_m = target_m.length() - ground_m.length();
+        if off_m.abs() > MOST_OFF * ground_m.length() {
+            let message = format!(
+                "the target is {} m from the body's centre, and its ground {} m: it misses the body",
+                number(target_m.length()),
+                number(ground_m.length())
+            );
+            let help = "targets are points of the ground, m from the body's centre; `lonlat_deg` needs no distance";
+            return Err(invalid(at(body.target_key(), message).with_help(help)));
         }
         let Some(axes) = body.axes(normal) else {
             let message = "it points straight up or down at the target: it says nothing of where the site points";
