@@ -180,7 +180,7 @@ mod tests {
             ("a=true", "a", Some(json!(true))),
             ("a=x=y", "a", Some(json!("x=y"))),
         ] {
-            let setting: Result<Setting, String> = text.parse();
+            let setting = text.parse::<Setting>();
             match (setting, value) {
                 (Ok(setting), Some(value)) => assert_eq!((setting.item().as_str(), setting.value), (item, Some(value))),
                 (setting, None) => assert!(setting.is_err(), "{text}: {setting:?}"),
