@@ -137,7 +137,9 @@ pub fn of_spectra(path: &Path) -> Option<&'static Format> {
 /// [`Error::Io`]; [`Error::Syntax`] and [`Error::Invalid`] at all places of a header that cannot be used, for a file that is
 /// not as long as its header says, and a partner that is not there; [`Error::Unsupported`] for what is not read.
 pub fn image(path: &Path) -> Result<Raster> {
-    let beginning = if path.is_dir() { Vec::new() } else { input::beginning(path, BEGINNING)? };
+    // A folder is an image only if a format says so.
+    let is_folder = path.is_dir() && told(path, &[], Format::is_image).is_some();
+    let beginning = if is_folder { Vec::new() } else { input::beginning(path, BEGINNING)? };
     let called = called(path, Format::is_image);
     let format = if holds_numbers_alone(path) {
         called.unwrap_or(&ENVI)
