@@ -391,3 +391,71 @@ fn whole_numbers_keep_what_stands_for_no_data() {
         assert!(values[5].is_nan(), "{ending}: {values:?}");
     }
 }
+
+/// Numbers of all types at the ends of what they hold, in images of a pixel and of a few, with and without one that stands for no data, come back as they were.
+#[test]
+fn numbers_of_all_types_come_back_from_the_ends_of_what_they_hold() {
+    let scratch = Scratch::new();
+    let most = (1_i64 << 53) as f64;
+    let mut tried = 0;
+    for (code, data_type, ends) in [
+        (1, "u8", [0.0, 255.0]),
+        (2, "i16", [-32768.0, 32767.0]),
+        (3, "i32", [-2147483648.0, 2147483647.0]),
+        (4, "f32", [f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX)]),
+        (5, "f64", [f64::MIN, f64::NAN]),
+        (12, "u16", [0.0, 65535.0]),
+        (13, "u32", [0.0, 4294967295.0]),
+        (14, "i64", [-most, most]),
+        (15, "u64", [0.0, most]),
+    ] {
+        for (size, no_data) in [([1, 1, 1], false), ([2, 1, 3], false), ([3, 2, 1], true)] {
+            let [bands, lines, samples]: [usize; 3] = size;
+            let values: Vec<f64> = (0..bands * lines * samples).map(|i| [ends[0], 7.0, ends[1]][i % 3]).collect();
+            let bytes: Vec<u8> = values
+                .iter()
+                .flat_map(|v| match data_type {
+                    "u8" => vec![*v as u8],
+                    "i16" => (*v as i16).to_le_bytes().to_vec(),
+                    "i32" => (*v as i32).to_le_bytes().to_vec(),
+                    "f32" => (*v as f32).to_le_bytes().to_vec(),
+                    "u16" => (*v as u16).to_le_bytes().to_vec(),
+                    "u32" => (*v as u32).to_le_bytes().to_vec(),
+                    "i64" => (*v as i64).to_le_bytes().to_vec(),
+                    "u64" => (*v as u64).to_le_bytes().to_vec(),
+                    _ => v.to_le_bytes().to_vec(),
+                })
+                .collect();
+            scratch.write("a.img", bytes);
+            let ignore = if no_data { "data ignore value = 7\n" } else { "" };
+            let names = (0..bands)
+                .map(|b| format!("it's 'band' {b} of a name that no card of FITS holds at once"))
+                .collect::<Vec<_>>();
+            scratch.write(
+                "a.hdr",
+                format!(
+                    "ENVI\nsamples = {samples}\nlines = {lines}\nbands = {bands}\ndata type = {code}\nbyte order = 0\ninterleave = bsq\n\
+                     band names = {{{}}}\n{ignore}",
+                    names.join(", ")
+                ),
+            );
+            for ending in ["nc", "zarr", "fits"] {
+                let out = scratch.argument(&format!("b.{ending}"));
+                let (code, told, err) = run(&["convert", &scratch.argument("a.img"), &out, "--force"]);
+                assert_eq!(code, 0, "{told}{err}");
+                let found: Vec<f64> = cube(Path::new(&out)).concat();
+                let is_same = |(found, value): (&f64, &f64)| match no_data && *value == 7.0 {
+                    true => found.is_nan(),
+                    false => found == value || found.is_nan() && value.is_nan(),
+                };
+                assert!(
+                    found.len() == values.len() && found.iter().zip(&values).all(is_same),
+                    "{data_type} {ending}: {found:?}"
+                );
+                assert!(open(Path::new(&out)).bands.iter().map(|band| &band.name).eq(&names), "{data_type} {ending}");
+                tried += 1;
+            }
+        }
+    }
+    assert_eq!(tried, 81);
+}

@@ -6,8 +6,9 @@
 use std::path::Path;
 
 use super::place::{Georeference, Grid, Unit};
-use super::{RasterBand, lengths};
+use super::{BandReader, Raster, RasterBand, check_size, lengths};
 use crate::error::{Error, Location, Problem, Result};
+use crate::formats::number::DataType;
 use crate::formats::wave_unit::WaveUnit;
 use crate::report::{Fate, Report};
 
@@ -65,7 +66,7 @@ pub(super) struct Image {
 /// The image that the arrays hold.
 ///
 /// # Errors
-/// [`Error::Invalid`] if there is none.
+/// [`Error::Invalid`] if there is none, or if it is larger than any that is read.
 pub(super) fn image(path: &Path, arrays: &[Array]) -> Result<Image> {
     let of_image = |array: &Array| match array.axes[..] {
         [] | [_] => None,
@@ -125,6 +126,10 @@ pub(super) fn image(path: &Path, arrays: &[Array]) -> Result<Image> {
         (_, [r, c, ..]) => [None, Some(r), Some(c)],
         _ => [None; 3],
     };
+    // Before anything is as long as a file says.
+    let length = |axis: Option<&(String, usize)>| axis.map_or(0, |(_, length)| *length);
+    let count = if of_bands.is_some() { length(of_bands) } else { chosen.len() };
+    check_size(Location::file(path), length(of_rows), length(of_columns), count)?;
     let bands = match of_bands {
         Some(axis) => bands(path, arrays, (axis, arrays[first].band_names.as_deref()), &mut report),
         None => {
@@ -132,7 +137,6 @@ pub(super) fn image(path: &Path, arrays: &[Array]) -> Result<Image> {
             chosen.iter().map(|i| RasterBand { name: name(i), ..RasterBand::default() }).collect()
         }
     };
-    let length = |axis: Option<&(String, usize)>| axis.map_or(0, |(_, length)| *length);
     let unit = arrays[first].unit.clone().filter(|_| chosen.iter().all(|i| arrays[*i].unit == arrays[first].unit));
     let place = of_rows.zip(of_columns).and_then(|axes| place(path, arrays, axes, &mut report));
     Ok(Image {
@@ -146,6 +150,20 @@ pub(super) fn image(path: &Path, arrays: &[Array]) -> Result<Image> {
         place,
         report,
     })
+}
+
+impl Image {
+    /// The raster of a file whose numbers are read like this.
+    pub(super) fn raster(self, path: &Path, data_type: DataType, reader: BandReader) -> Raster {
+        let (georeference, mirrored) = self.place.unzip();
+        Raster {
+            unit: self.unit,
+            georeference,
+            mirrored: mirrored.unwrap_or_default(),
+            report: self.report,
+            ..Raster::of(path, (self.rows, self.columns), self.bands, data_type, reader)
+        }
+    }
 }
 
 /// Whether the first or the last of three axes is that of bands.
@@ -294,6 +312,15 @@ mod tests {
         // Rows go to the North in the file: the first is the last.
         assert_eq!(mirrored, [true, false]);
         assert_eq!(place, Georeference::Degrees { corner_deg: [-45.0, 15.0], pixel_deg: [90.0, 10.0] });
+    }
+
+    #[test]
+    fn what_no_memory_holds_is_refused_before_it_is_asked_for() {
+        for axes in [[usize::MAX / 2, 2, 2], [2, usize::MAX / 2, 2], [2, 2, usize::MAX / 2], [1 << 17, 1, 1]] {
+            let arrays = [array("a", &[("band", axes[0]), ("y", axes[1]), ("x", axes[2])], "", None)];
+            let error = image(Path::new("a"), &arrays).unwrap_err().to_string();
+            assert!(error.contains("are more than"), "{error}");
+        }
     }
 
     #[test]

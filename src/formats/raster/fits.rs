@@ -15,7 +15,7 @@ use crate::formats::number::DataType;
 use crate::formats::wave_unit::WaveUnit;
 
 use super::arrays::{self, Array, BandAxis, Image, LONGEST};
-use super::{BandReader, Raster, Target, check_end, check_size};
+use super::{BandReader, Raster, Target, check_end};
 
 /// FITS.
 pub(in crate::formats) static FITS: Format = Format {
@@ -41,7 +41,7 @@ type Cards = Vec<(String, String)>;
 struct Unit {
     array: Array,
     cards: Cards,
-    /// Lengths of axes, fastest first, without those of 1 at the end.
+    /// Lengths of axes, fastest first, without those of 1 behind the third.
     axes: Vec<usize>,
     data_type: DataType,
     start: u64,
@@ -154,7 +154,7 @@ fn units(path: &Path) -> Result<(Vec<Unit>, bool)> {
         let kind = text(&cards, "XTENSION");
         is_compressed |= text(&cards, "ZIMAGE") == Some("T");
         let mut short: Vec<usize> = axes.iter().map(|axis| usize::try_from(*axis).unwrap_or(usize::MAX)).collect();
-        while short.len() > 2 && short.last() == Some(&1) {
+        while short.len() > 3 && short.last() == Some(&1) {
             short.pop();
         }
         if bytes > 0 && kind.is_none_or(|kind| kind == "IMAGE") && !short.contains(&0) {
@@ -197,8 +197,9 @@ fn open(path: &Path) -> Result<Raster> {
         return Err(Error::Unsupported { at: Location::file(path), feature });
     }
     let arrays: Vec<Array> = units.iter().map(|unit| unit.array.clone()).collect();
-    let Image { arrays: chosen, band_axis, rows, columns, mut bands, unit, report, .. } = arrays::image(path, &arrays)?;
-    check_size(Location::file(path), rows, columns, bands.len())?;
+    let mut image = arrays::image(path, &arrays)?;
+    let Image { rows, columns, band_axis, .. } = image;
+    let (chosen, bands) = (&image.arrays, &mut image.bands);
     let first = &units[chosen[0]];
     if band_axis == BandAxis::First
         && bands.iter().all(|band| band.centre_um.is_none())
@@ -212,13 +213,12 @@ fn open(path: &Path) -> Result<Raster> {
             .with_help("`gdal_translate -of ENVI FITS:\"FILE\":1 OUT.img` takes one of them");
         return Err(Error::Invalid(vec![problem]));
     }
-    let [flat_rows, flat_columns] = [rows, columns];
     let planes = if chosen.len() == 1 { bands.len() } else { 1 };
     let order = if band_axis == BandAxis::Last { AxisOrder::RowColumnBand } else { AxisOrder::BandRowColumn };
     let flat = |unit: &Unit| Flat {
         start: unit.start,
         big_endian: true,
-        ..Flat::new([flat_rows, flat_columns, planes], unit.data_type, order)
+        ..Flat::new([rows, columns, planes], unit.data_type, order)
     };
     for unit in chosen.iter().map(|i| &units[*i]) {
         let flat = flat(unit);
@@ -233,13 +233,8 @@ fn open(path: &Path) -> Result<Raster> {
     let is_one_type = chosen.iter().all(|i| units[*i].data_type == first.data_type);
     let data_type = if is_scaled || !is_one_type { DataType::F64 } else { first.data_type };
     let of_bands = (0..bands.len()).map(|band| *scales.get(band).unwrap_or(&scales[0]));
-    Ok(Raster {
-        unit,
-        ignore,
-        scale: if is_scaled { of_bands.collect() } else { vec![] },
-        report,
-        ..Raster::of(path, (rows, columns), bands, data_type, reader)
-    })
+    let scale = if is_scaled { of_bands.collect() } else { vec![] };
+    Ok(Raster { ignore, scale, ..image.raster(path, data_type, reader) })
 }
 
 /// How numbers become values.

@@ -12,8 +12,8 @@ use crate::error::{Error, Location, Result};
 use crate::formats::format::{Format, Holds};
 use crate::formats::number::DataType;
 
-use super::arrays::{self, Array, BandAxis, Image, LONGEST};
-use super::{BandReader, Raster, Target, check_size};
+use super::arrays::{self, Array, BandAxis, LONGEST};
+use super::{BandReader, Raster, Target};
 use crate::formats::container::Container;
 
 /// NetCDF.
@@ -126,26 +126,18 @@ fn open(path: &Path) -> Result<Raster> {
         Ok((found, matches!(file.format(), netcdf_reader::NcFormat::Nc4 | netcdf_reader::NcFormat::Nc4Classic)))
     })?;
     let arrays: Vec<Array> = found.iter().map(|(array, _)| array.clone()).collect();
-    let Image { arrays: chosen, band_axis, before, rows, columns, bands, unit, place, report } =
-        arrays::image(path, &arrays)?;
-    check_size(Location::file(path), rows, columns, bands.len())?;
-    let types: Vec<DataType> = chosen.iter().filter_map(|i| found[*i].1).collect();
+    let image = arrays::image(path, &arrays)?;
+    let types: Vec<DataType> = image.arrays.iter().filter_map(|i| found[*i].1).collect();
     let data_type = match types[..] {
         [first, ref others @ ..] if others.iter().all(|other| *other == first) => first,
         _ => DataType::F64,
     };
-    let names = chosen.iter().map(|i| arrays[*i].name.clone()).collect();
-    let reader = BandReader::NetCdf(Bands { names, band_axis, before, count: bands.len(), is_hdf5 });
-    let (georeference, mirrored) = place.unzip();
+    let names = image.arrays.iter().map(|i| arrays[*i].name.clone()).collect();
+    let (band_axis, before, count) = (image.band_axis, image.before, image.bands.len());
+    let reader = BandReader::NetCdf(Bands { names, band_axis, before, count, is_hdf5 });
     // What stands for no data is NaN when it is read: of whole numbers, too.
     let data_type = if data_type.is_integer() { DataType::F64 } else { data_type };
-    Ok(Raster {
-        unit,
-        georeference,
-        mirrored: mirrored.unwrap_or_default(),
-        report,
-        ..Raster::of(path, (rows, columns), bands, data_type, reader)
-    })
+    Ok(image.raster(path, data_type, reader))
 }
 
 impl Bands {

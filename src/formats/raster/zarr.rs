@@ -15,8 +15,8 @@ use crate::formats::format::{Format, Holds};
 use crate::formats::input;
 use crate::formats::number::DataType;
 
-use super::arrays::{self, Array, BandAxis, Image, LONGEST};
-use super::{BandReader, Raster, Target, check_size};
+use super::arrays::{self, Array, BandAxis, LONGEST};
+use super::{BandReader, Raster, Target};
 
 /// Zarr.
 pub(in crate::formats) static ZARR: Format = Format {
@@ -268,25 +268,15 @@ fn open(path: &Path) -> Result<Raster> {
         }
     }
     let arrays: Vec<Array> = found.iter().map(|(array, ..)| array.clone()).collect();
-    let Image { arrays: chosen, band_axis, rows, columns, bands, unit, place, report, .. } =
-        arrays::image(path, &arrays)?;
-    check_size(Location::file(path), rows, columns, bands.len())?;
-    let stored: Vec<Stored> = chosen.iter().map(|i| found[*i].1.clone()).collect();
+    let image = arrays::image(path, &arrays)?;
+    let stored: Vec<Stored> = image.arrays.iter().map(|i| found[*i].1.clone()).collect();
     let data_type = match stored.iter().all(|of| of.data_type == stored[0].data_type) {
         true => stored[0].data_type,
         false => DataType::F64,
     };
-    let ignore = found[chosen[0]].2;
-    let (georeference, mirrored) = place.unzip();
-    let reader = BandReader::Zarr(Bands { stored, band_axis, count: bands.len() });
-    Ok(Raster {
-        unit,
-        ignore,
-        georeference,
-        mirrored: mirrored.unwrap_or_default(),
-        report,
-        ..Raster::of(path, (rows, columns), bands, data_type, reader)
-    })
+    let ignore = found[image.arrays[0]].2;
+    let reader = BandReader::Zarr(Bands { stored, band_axis: image.band_axis, count: image.bands.len() });
+    Ok(Raster { ignore, ..image.raster(path, data_type, reader) })
 }
 
 impl Bands {
