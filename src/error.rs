@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 /// Everything that can go wrong between a user's files and a product.
 ///
 /// Numeric code does not return errors: what it needs is checked once, when a
@@ -146,7 +148,7 @@ impl fmt::Display for Problem {
 /// A location in a user's input: a file, a line and column in it, and the item there.
 ///
 /// Printed as `scene.toml:14:9 sensor.bands[3]`; unknown parts are left out.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Location {
     /// The file.
     pub file: Option<PathBuf>,

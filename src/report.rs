@@ -2,10 +2,12 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Location;
 
 /// What became of something that has no exact counterpart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Fate {
     /// Left out: the target cannot hold it.
     Dropped,
@@ -29,7 +31,7 @@ impl fmt::Display for Fate {
 }
 
 /// One thing that was not carried over unchanged.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Note {
     /// What became of it.
     pub fate: Fate,
@@ -46,7 +48,7 @@ impl fmt::Display for Note {
 }
 
 /// All notes of a conversion, in the order of the source.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Report {
     /// The notes.
     pub notes: Vec<Note>,

@@ -14,6 +14,7 @@ use serde_json::json;
 
 use super::Outcome;
 use super::console::Console;
+use super::scene::ReadingArguments;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -28,12 +29,14 @@ pub(crate) struct Arguments {
     /// No products: only what the acquisitions see of the surface
     #[arg(long)]
     coverage_only: bool,
+    #[command(flatten)]
+    reading: ReadingArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle_input(&arguments.campaign, console)?;
-    let mut campaign = Campaign::open(&arguments.campaign, &watch)?;
+    let mut campaign = Campaign::open_with(&arguments.campaign, &arguments.reading.reading()?, &watch)?;
     let folder = folder(arguments, &campaign)?;
     let order = Order { folder: &folder, shard: arguments.shard, coverage_only: arguments.coverage_only };
     // Time per acquisition is counted from the end of the one before.

@@ -9,6 +9,7 @@ use mmxrt::{Error, Location, Result, job};
 
 use super::Outcome;
 use super::console::Console;
+use super::scene::ReadingArguments;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -25,8 +26,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PYTHON", conflicts_with = "stability")]
     mitsuba: Option<PathBuf>,
     /// Instead of a scene: drive each method to where it fails, and tell where that is
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["set", "cache"])]
     stability: bool,
+    #[command(flatten)]
+    reading: ReadingArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
@@ -35,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     super::settle_input(scene, console)?;
     super::settle(&arguments.output, console)?;
     let folder = ChartFolder::stage(&arguments.output, arguments.force)?;
-    let subject = Subject::open(scene, &watch)?;
+    let subject = Subject::open_with(scene, &arguments.reading.reading()?, &watch)?;
     subject.one_moment().iter().for_each(|said| console.note(&format!("warning: {said}")));
     let threads = rayon::current_num_threads();
     let timed = format!("CPU times of this machine, {threads} {}.", if threads == 1 { "thread" } else { "threads" });

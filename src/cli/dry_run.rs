@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mmxrt::flight::Scale;
-use mmxrt::formats::{Setting, machine};
+use mmxrt::formats::{Reading, machine};
 use mmxrt::job::{self, Outlook};
 use mmxrt::scene::{Material, Motion, Readout, Scene, Timing};
 use mmxrt::spectral::Band;
@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 use super::Outcome;
 use super::console::Console;
 
-pub(super) fn run(path: &Path, settings: &[Setting], console: &Console) -> Result<Outcome> {
-    let outlook = job::dry_run_with(path, settings, &|progress| console.watch(progress))?;
+pub(super) fn run(path: &Path, reading: &Reading, console: &Console) -> Result<Outcome> {
+    let outlook = job::dry_run_with(path, reading, &|progress| console.watch(progress))?;
     console.result(&text(&outlook), &json_of(&outlook))?;
     outlook.error.map_or(Ok(Outcome::Done), Err)
 }

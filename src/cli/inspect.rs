@@ -27,7 +27,7 @@ use serde_json::{Value, json};
 
 use super::Outcome;
 use super::console::Console;
-use super::scene::SettingArguments;
+use super::scene::ReadingArguments;
 use super::surface::Written;
 
 #[derive(clap::Args)]
@@ -39,7 +39,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SAMPLE,LINE", value_parser = pixel)]
     pixel: Option<(usize, usize)>,
     #[command(flatten)]
-    settings: SettingArguments,
+    reading: ReadingArguments,
     /// How this material of a scene reflects; a preset is named in place of a file
     #[arg(long, value_name = "NAME", conflicts_with = "pixel")]
     material: Option<String>,
@@ -90,7 +90,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         return spectrum_of(arguments, console);
     }
     path.metadata().map_err(|e| Error::io(path, "reading", e))?;
-    if let Some(first) = arguments.settings.set.first()
+    if let Some(first) = arguments.reading.set.first()
         && !is_scene(path)?
     {
         return Err(Error::invalid(
@@ -142,7 +142,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             return Err(Error::Invalid(vec![problem.with_help(help)]));
         }
         _ if is_campaign(path)? => campaign(path, console)?,
-        _ if is_scene(path)? => return super::dry_run::run(path, &arguments.settings.set, console),
+        _ if is_scene(path)? => return super::dry_run::run(path, &arguments.reading.reading()?, console),
         _ => inspect(path, found, console)?,
     };
     tell(facts, arguments, console)

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use mmxrt::formats::Reading;
 use mmxrt::formats::points_csv::{self, Asked, Question};
-use mmxrt::job::Mapped;
+use mmxrt::job::{Mapped, SceneOf};
 use mmxrt::study::MapWish;
 use mmxrt::study::knowledge::{Row, Spread};
 use mmxrt::study::locate::Place;
@@ -14,6 +15,7 @@ use serde_json::json;
 use super::Outcome;
 use super::console::Console;
 use super::dry_run::short;
+use super::scene::ReadingArguments;
 
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("asked").required(true).multiple(true)))]
@@ -60,6 +62,8 @@ pub(crate) struct Arguments {
     /// Replace that file or folder if it is there
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    reading: ReadingArguments,
 }
 
 fn numbers<const N: usize>(text: &str, example: &str) -> std::result::Result<[f64; N], String> {
@@ -98,13 +102,15 @@ fn point(text: &str) -> std::result::Result<DVec3, String> {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle_input(&arguments.scene, console)?;
+    let reading = &arguments.reading.reading()?;
+    let of = SceneOf { file: &arguments.scene, acquisition: arguments.acquisition.as_deref(), reading };
     let band = arguments.band.map(|band| band as usize - 1);
     if let Some(known) = &arguments.knowledge {
-        return errors(arguments, known, band, console);
+        return errors(arguments, of, known, band, console);
     }
     if let Some(target) = &arguments.isd {
         super::settle(target, console)?;
-        job::write_isd((&arguments.scene, arguments.acquisition.as_deref()), band, (target, arguments.force), &watch)?;
+        job::write_isd(of, band, (target, arguments.force), &watch)?;
         console.done(
             &format!("{}: image support data", target.display()),
             &json!({ "isd": target.display().to_string() }),
@@ -112,7 +118,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         return Ok(Outcome::Done);
     }
     if let (Some(wish), Some(target)) = (arguments.ortho, &arguments.output) {
-        return mapped(arguments, (MapWish { borders: arguments.borders, ..wish }, band), target, console);
+        return mapped(arguments, reading, (MapWish { borders: arguments.borders, ..wish }, band), target, console);
     }
     let question = |asked| Question { asked, band };
     let mut questions: Vec<Question> = arguments.pixel.iter().map(|place| question(Asked::Pixel(*place))).collect();
@@ -120,7 +126,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     if let Some(path) = &arguments.points {
         questions.extend(points_csv::read(path)?.into_iter().map(|of| Question { band: of.band.or(band), ..of }));
     }
-    let answers = job::locate(&arguments.scene, arguments.acquisition.as_deref(), &questions, &watch)?;
+    let answers = job::locate(of, &questions, &watch)?;
     let rows: Vec<String> = questions
         .iter()
         .zip(&answers)
@@ -139,19 +145,19 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
 }
 
 /// Geolocation errors.
-fn errors(arguments: &Arguments, known: &Path, band: Option<usize>, console: &Console) -> Result<Outcome> {
+fn errors(
+    arguments: &Arguments,
+    of: SceneOf<'_>,
+    known: &Path,
+    band: Option<usize>,
+    console: &Console,
+) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     if let Some(target) = &arguments.output {
         super::settle(target, console)?;
     }
     let folder = arguments.output.as_deref().map(|target| (target, arguments.force));
-    let (rows, json) = job::locate_errors(
-        (&arguments.scene, arguments.acquisition.as_deref()),
-        known,
-        (arguments.every, band),
-        folder,
-        &watch,
-    )?;
+    let (rows, json) = job::locate_errors(of, known, (arguments.every, band), folder, &watch)?;
     let text = summary_text(&rows);
     match &arguments.output {
         Some(target) => console.done(&format!("{}:\n{text}", target.display()), &json),
@@ -161,11 +167,21 @@ fn errors(arguments: &Arguments, known: &Path, band: Option<usize>, console: &Co
 }
 
 /// Orthorectification.
-fn mapped(arguments: &Arguments, wish: (MapWish, Option<usize>), target: &Path, console: &Console) -> Result<Outcome> {
+fn mapped(
+    arguments: &Arguments,
+    reading: &Reading,
+    wish: (MapWish, Option<usize>),
+    target: &Path,
+    console: &Console,
+) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle(target, console)?;
-    let Mapped { grid, entries, bands } =
-        job::ortho((&arguments.scene, arguments.campaign.as_deref()), wish, (target, arguments.force), &watch)?;
+    let Mapped { grid, entries, bands } = job::ortho(
+        (&arguments.scene, arguments.campaign.as_deref(), reading),
+        wish,
+        (target, arguments.force),
+        &watch,
+    )?;
     let text =
         format!("{}: {} x {} cells, {entries} entries, {bands} bands", target.display(), grid.columns, grid.rows);
     let json = json!({

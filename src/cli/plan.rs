@@ -49,7 +49,7 @@ impl RequestArguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     let (outlook, plan) =
-        job::plan(&arguments.scene.scene, &arguments.scene.settings.set, &arguments.request.request(), &watch)?;
+        job::plan(&arguments.scene.scene, &arguments.scene.reading.reading()?, &arguments.request.request(), &watch)?;
     let json = json!({
         "plan": plan,
         "expects": {

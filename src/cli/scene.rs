@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use mmxrt::Result;
-use mmxrt::formats::{Setting, Subject};
+use mmxrt::formats::{Cache, Reading, Setting, Subject};
 use mmxrt::progress::Watch;
 
 #[derive(clap::Args)]
@@ -11,19 +11,30 @@ pub(crate) struct SceneArguments {
     /// The scene file
     pub(super) scene: PathBuf,
     #[command(flatten)]
-    pub(super) settings: SettingArguments,
+    pub(super) reading: ReadingArguments,
 }
 
 #[derive(clap::Args)]
-pub(crate) struct SettingArguments {
+pub(crate) struct ReadingArguments {
     /// Take this instead of what the scene file says, e.g. sensor.samples=64 or mesh[0].recipe=dunes; nothing behind the = takes the item away. May be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) set: Vec<Setting>,
+    /// Keep prepared bodies in this folder (landscapes that were made, meshes that were read, how their facets hang together), and take them from there the next time
+    #[arg(long, value_name = "FOLDER")]
+    cache: Option<PathBuf>,
+}
+
+impl ReadingArguments {
+    /// How the scene is read.
+    pub(super) fn reading(&self) -> Result<Reading> {
+        let cache = self.cache.as_deref().map(Cache::open).transpose()?;
+        Ok(Reading { settings: self.set.clone(), cache })
+    }
 }
 
 impl SceneArguments {
     /// Reads it, to be simulated.
     pub(super) fn open(&self, watch: Watch<'_>) -> Result<Subject> {
-        Subject::open_with(&self.scene, &self.settings.set, watch)
+        Subject::open_with(&self.scene, &self.reading.reading()?, watch)
     }
 }

@@ -5,13 +5,15 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 use super::marks;
 use crate::error::{Error, Location, Problem, Result};
 
 use super::staging::folder_of;
 
 /// A file that a result depends on.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputFile {
     /// Its path, as it was opened.
     pub path: PathBuf,

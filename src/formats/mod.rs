@@ -1,6 +1,7 @@
 //! Files: one format, one module. Only here and in the command line is the disk touched.
 
 mod blend;
+mod cache;
 pub mod campaign_folder;
 pub mod campaign_toml;
 pub mod ccsds;
@@ -66,6 +67,7 @@ pub mod mesh_picture;
 pub mod quicklook;
 pub mod radiance_map;
 pub mod raster;
+mod reading;
 pub mod recipe_toml;
 pub mod reflectance_csv;
 pub mod registry;
@@ -89,9 +91,11 @@ pub mod track_picture;
 pub mod xml;
 mod zarr;
 
+pub use cache::Cache;
 pub use format::Format;
 pub use input::{InputFile, file_named, text};
 pub use picture::picture;
 pub use product_image::product_image;
+pub use reading::Reading;
 pub use setting::Setting;
 pub use subject::Subject;

@@ -4,13 +4,15 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Location, Problem, Result};
 use crate::landscape::LandscapeMaterial;
 
 use super::input::{self, BYTE_ORDER_MARK, InputFile, Problems};
 
 /// A material of an OBJ file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObjMaterial {
     /// Name; empty for faces before the first `usemtl`.
     pub name: String,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::scene_toml::{self, SceneFile, Stated};
-use super::{InputFile, Setting, npz};
+use super::{InputFile, Reading, npz};
 use crate::error::{Error, Location, Problem, Result};
 use crate::instrument::Chain;
 use crate::product::FacetTable;
@@ -62,15 +62,15 @@ impl Subject {
     /// # Errors
     /// Those of [`scene_toml::read`] and of [`SceneFile::simulable`].
     pub fn open(path: &Path, watch: Watch<'_>) -> Result<Self> {
-        Self::open_with(path, &[], watch)
+        Self::open_with(path, &Reading::default(), watch)
     }
 
-    /// The same, with some items of the file replaced.
+    /// The same, with items of the file replaced, or from a cache.
     ///
     /// # Errors
     /// As [`open`](Subject::open), and those of [`scene_toml::read_with`].
-    pub fn open_with(path: &Path, settings: &[Setting], watch: Watch<'_>) -> Result<Self> {
-        let file = scene_toml::read_with(path, settings, watch)?;
+    pub fn open_with(path: &Path, reading: &Reading, watch: Watch<'_>) -> Result<Self> {
+        let file = scene_toml::read_with(path, reading, watch)?;
         file.simulable()?;
         Ok(file.into())
     }

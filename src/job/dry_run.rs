@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::formats::{Setting, Subject, machine, scene_toml};
+use crate::formats::{Reading, Subject, machine, scene_toml};
 use crate::progress::Watch;
 use crate::study::{self, DryRun, Extremes, Moving, Plan, Request};
 
@@ -29,23 +29,23 @@ pub struct Outlook {
 /// # Errors
 /// Those of [`scene_toml::read`](crate::formats::scene_toml::read).
 pub fn dry_run(path: &Path, watch: Watch<'_>) -> Result<Outlook> {
-    dry_run_with(path, &[], watch)
+    dry_run_with(path, &Reading::default(), watch)
 }
 
-/// The same, with some items of the file replaced.
+/// The same, with items of the file replaced, or from a cache.
 ///
 /// # Errors
 /// Those of [`scene_toml::read_with`](crate::formats::scene_toml::read_with).
-pub fn dry_run_with(path: &Path, settings: &[Setting], watch: Watch<'_>) -> Result<Outlook> {
-    Ok(plan(path, settings, &Request::default(), watch)?.0)
+pub fn dry_run_with(path: &Path, reading: &Reading, watch: Watch<'_>) -> Result<Outlook> {
+    Ok(plan(path, reading, &Request::default(), watch)?.0)
 }
 
 /// As [`dry_run_with`], for a scene that is simulated as it is requested; and by which models that would be.
 ///
 /// # Errors
 /// Those of [`scene_toml::read`](crate::formats::scene_toml::read) and of [`study::plan`].
-pub fn plan(path: &Path, settings: &[Setting], request: &Request, watch: Watch<'_>) -> Result<(Outlook, Plan)> {
-    let file = scene_toml::read_with(path, settings, watch)?;
+pub fn plan(path: &Path, reading: &Reading, request: &Request, watch: Watch<'_>) -> Result<(Outlook, Plan)> {
+    let file = scene_toml::read_with(path, reading, watch)?;
     let simulable = file.simulable();
     let mut subject = Subject::from(file);
     let (extremes, plan) = super::plan::decide(&mut subject, request, watch)?;

@@ -5,10 +5,10 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::error::{Error, Problem, Result};
-use crate::formats::Subject;
 use crate::formats::campaign_toml::Campaign;
 use crate::formats::folder::Staged;
 use crate::formats::points_csv::{Asked, Found, Question};
+use crate::formats::{Reading, Subject};
 use crate::formats::{isd_json, knowledge_table, knowledge_toml, scene_toml};
 use crate::progress::{Watch, tell};
 use crate::study;
@@ -17,6 +17,39 @@ use crate::study::locate::Locator;
 
 /// Most acquisitions listed in a message.
 const TOLD: usize = 8;
+
+/// A scene, or an acquisition of a campaign, by the name of its file.
+#[derive(Debug, Clone, Copy)]
+pub struct SceneOf<'a> {
+    /// The scene's file, or the campaign's.
+    pub file: &'a Path,
+    /// Of a campaign the acquisition's name.
+    pub acquisition: Option<&'a str>,
+    /// How it is read.
+    pub reading: &'a Reading,
+}
+
+impl SceneOf<'_> {
+    fn open(self, watch: Watch<'_>) -> Result<Subject> {
+        let subject = match self.acquisition {
+            Some(name) => acquired(self.file, name, self.reading, watch)?,
+            None => Subject::from(scene_toml::read_with(self.file, self.reading, watch)?),
+        };
+        Ok(subject)
+    }
+
+    /// The same, with the tree that rays are followed in.
+    fn planted(self, watch: Watch<'_>) -> Result<Subject> {
+        let subject = self.open(watch)?;
+        tell(watch, "tree", 0, 1)?;
+        match &self.reading.cache {
+            Some(cache) => cache.plant(&subject.scene.body),
+            None => _ = subject.scene.body.ray_tree(),
+        }
+        tell(watch, "tree", 1, 1)?;
+        Ok(subject)
+    }
+}
 
 /// Writes results as a table.
 ///
@@ -34,18 +67,11 @@ pub fn write_answers(target: &Path, replace: bool, text: &str, inputs: &[&Path])
 /// # Errors
 /// Those of [`scene_toml::read`], of [`Campaign::open`] and [`Campaign::subject`], and of [`Locator::ground`]; [`Error::Invalid`] for an acquisition
 /// that there is none of; [`Error::Interrupted`] if `watch` asks to stop.
-pub fn locate(
-    file: &Path,
-    acquisition: Option<&str>,
-    questions: &[Question],
-    watch: Watch<'_>,
-) -> Result<Vec<(usize, Found)>> {
-    let subject = opened(file, acquisition, watch)?;
-    tell(watch, "tree", 0, 1)?;
+pub fn locate(of: SceneOf<'_>, questions: &[Question], watch: Watch<'_>) -> Result<Vec<(usize, Found)>> {
+    let subject = of.planted(watch)?;
     let motion = subject.motion.as_ref().map(|(motion, timing)| (motion, *timing));
     let locator = Locator::new(&subject.scene, motion);
     let reference = locator.reference_band();
-    tell(watch, "tree", 1, 1)?;
     questions
         .par_iter()
         .map(|question| {
@@ -59,17 +85,9 @@ pub fn locate(
         .collect()
 }
 
-/// A scene, or a named acquisition of a campaign.
-fn opened(file: &Path, acquisition: Option<&str>, watch: Watch<'_>) -> Result<Subject> {
-    match acquisition {
-        Some(name) => acquired(file, name, watch),
-        None => Ok(Subject::from(scene_toml::read(file, watch)?)),
-    }
-}
-
 /// An acquisition of a campaign.
-pub(super) fn acquired(file: &Path, name: &str, watch: Watch<'_>) -> Result<Subject> {
-    let mut campaign = Campaign::open(file, watch)?;
+pub(super) fn acquired(file: &Path, name: &str, reading: &Reading, watch: Watch<'_>) -> Result<Subject> {
+    let mut campaign = Campaign::open_with(file, reading, watch)?;
     let Some(acquisition) = campaign.acquisitions.iter().find(|acquisition| acquisition.name == name).cloned() else {
         let names = campaign.acquisitions.iter().map(|acquisition| acquisition.name.as_str());
         let first: Vec<&str> = names.take(TOLD).collect();
@@ -90,7 +108,7 @@ const PIXELS: u32 = 256;
 /// # Errors
 /// Those of [`scene_toml::read`], [`knowledge_toml::read`], [`knowledge::budget`] and [`Staged::folder_of`]; [`Error::Io`](crate::Error::Io).
 pub fn locate_errors(
-    (file, acquisition): (&Path, Option<&str>),
+    of: SceneOf<'_>,
     known: &Path,
     (every, band): (Option<u32>, Option<usize>),
     folder: Option<(&Path, bool)>,
@@ -98,15 +116,13 @@ pub fn locate_errors(
 ) -> Result<(Vec<Row>, serde_json::Value)> {
     let staged = |(target, replace)| Staged::folder_of(&knowledge_table::FOLDER, target, replace);
     let folder = folder.map(staged).transpose()?;
-    let file = opened(file, acquisition, watch)?;
+    let file = of.planted(watch)?;
     let known = knowledge_toml::read(known, file.scene.body.origin_m)?;
     if let Some(folder) = &folder {
         let inputs = file.inputs.iter().chain(&known.inputs);
         folder.spares(inputs.map(|input| input.path.as_path()))?;
     }
-    tell(watch, "tree", 0, 1)?;
     let locator = Locator::new(&file.scene, file.motion.as_ref().map(|(motion, timing)| (motion, *timing)));
-    tell(watch, "tree", 1, 1)?;
     let camera = &file.scene.exposure.camera;
     let pixels = |every: &u32| camera.samples.div_ceil(*every).saturating_mul(camera.lines.div_ceil(*every));
     let few = || (1..=u32::MAX).find(|every| pixels(every) <= PIXELS).unwrap_or(1);
@@ -132,12 +148,12 @@ pub fn locate_errors(
 /// Those of [`scene_toml::read`], [`isd_json::isd`] and [`Staged::file`]; [`Error::Invalid`](crate::Error::Invalid) if an input would be replaced;
 /// [`Error::Io`](crate::Error::Io).
 pub fn write_isd(
-    (file, acquisition): (&Path, Option<&str>),
+    of: SceneOf<'_>,
     band: Option<usize>,
     (target, replace): (&Path, bool),
     watch: Watch<'_>,
 ) -> Result<()> {
-    let file = opened(file, acquisition, watch)?;
+    let file = of.open(watch)?;
     let motion = file.motion.as_ref().map(|(motion, timing)| (motion, *timing));
     let band = band.unwrap_or_else(|| study::reference_band(&file.scene, motion));
     study::check_band(&file.scene, band, "--band")?;

@@ -6,7 +6,7 @@ use super::locate::acquired;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::folder::Staged;
 use crate::formats::report_json::{self, ProductReport};
-use crate::formats::{Setting, Subject, ortho_folder, product_image, registry, scene_toml};
+use crate::formats::{Reading, Setting, Subject, ortho_folder, product_image, registry, scene_toml};
 use crate::product::{MapGrid, Plane};
 use crate::progress::Watch;
 use crate::scene::Readout;
@@ -27,33 +27,40 @@ pub struct Mapped {
 ///
 /// # Errors
 /// [`Error::Invalid`] if the product was made of something else.
-fn subject_and_cube(of: &Path, campaign: Option<&Path>, watch: Watch<'_>) -> Result<(Subject, Option<PathBuf>)> {
+fn subject_and_cube(
+    of: &Path,
+    campaign: Option<&Path>,
+    reading: &Reading,
+    watch: Watch<'_>,
+) -> Result<(Subject, Option<PathBuf>)> {
     let report = of.join("report.json");
     if !report.is_file() {
         let subject = match campaign {
-            None => Subject::from(scene_toml::read(of, watch)?),
+            None => Subject::from(scene_toml::read_with(of, reading, watch)?),
             Some(_) => return Err(Error::invalid(Location::file(of), "is not a product of a campaign")),
         };
         return Ok((subject, None));
     }
     let report: ProductReport = report_json::read(&report)?;
+    if let Some(first) = reading.settings.first() {
+        let message = format!("is a product, made with settings of its own: --set {first} would be another image");
+        return Err(Error::invalid(Location::file(of), message));
+    }
+    let settings: std::result::Result<Vec<Setting>, String> = report.settings.iter().map(|s| s.parse()).collect();
+    let settings = settings.map_err(|e| Error::invalid(Location::file(of).with_item("settings"), e))?;
+    let reading = Reading { settings, ..reading.clone() };
     let subject = match (campaign, report.inputs.first()) {
         (Some(campaign), _) => {
             let of = of.canonicalize().map_err(|e| Error::io(of, "reading", e))?;
             let name = of.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            acquired(campaign, &name, watch)?
+            acquired(campaign, &name, &reading, watch)?
         }
         (None, Some(scene)) if !Path::new(&scene.path).is_file() => {
             let problem = Problem::new(Location::file(of), format!("its scene is not there: {}", scene.path));
             let help = "a relative path starts where the product was made: run this from there";
             return Err(Error::Invalid(vec![problem.with_help(help)]));
         }
-        (None, Some(scene)) => {
-            let settings: std::result::Result<Vec<Setting>, String> =
-                report.settings.iter().map(|s| s.parse()).collect();
-            let settings = settings.map_err(|e| Error::invalid(Location::file(of).with_item("settings"), e))?;
-            Subject::from(scene_toml::read_with(Path::new(&scene.path), &settings, watch)?)
-        }
+        (None, Some(scene)) => Subject::from(scene_toml::read_with(Path::new(&scene.path), &reading, watch)?),
         (None, None) => {
             return Err(Error::invalid(Location::file(of), "its report names no scene: name the scene file"));
         }
@@ -83,13 +90,13 @@ fn subject_and_cube(of: &Path, campaign: Option<&Path>, watch: Watch<'_>) -> Res
 /// # Errors
 /// Those of [`scene_toml::read`], [`study::ortho`] and [`Staged::folder_of`]; [`Error::Invalid`] if the cube is not that scene's image; [`Error::Io`].
 pub fn ortho(
-    (of, campaign): (&Path, Option<&Path>),
+    (of, campaign, reading): (&Path, Option<&Path>, &Reading),
     (wish, band): (MapWish, Option<usize>),
     (target, replace): (&Path, bool),
     watch: Watch<'_>,
 ) -> Result<Mapped> {
     let staged = Staged::folder_of(&ortho_folder::FOLDER, target, replace)?;
-    let (file, cube) = subject_and_cube(of, campaign, watch)?;
+    let (file, cube) = subject_and_cube(of, campaign, reading, watch)?;
     staged.spares(file.inputs.iter().map(|input| input.path.as_path()).chain(cube.as_deref()))?;
     let motion = file.motion.as_ref().map(|(motion, timing)| (motion, *timing));
     let scene = &file.scene;

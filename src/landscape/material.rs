@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use super::recipe::Recipe;
 use super::{BOULDERS, GROUND};
 use crate::geometry::{MaterialId, whole};
 
 /// A material of a landscape.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LandscapeMaterial {
     /// Its name.
     pub name: String,

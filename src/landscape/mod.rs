@@ -28,6 +28,7 @@ mod version_1;
 
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 pub use body::WrapReport;
 pub use check::FACETS;
@@ -126,7 +127,7 @@ impl Landscape {
 }
 
 /// A crater of a landscape.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MadeCrater {
     /// Number of its group.
     pub group: usize,
@@ -143,7 +144,7 @@ pub struct MadeCrater {
 }
 
 /// A boulder of a landscape.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MadeBoulder {
     /// Number of its group.
     pub group: usize,

@@ -10,7 +10,7 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::Mesh;
 use crate::physics::reflectance::{DirectionalAlbedos, Separated};
 use crate::progress::{Watch, tell};
-use crate::visibility::Topology;
+use crate::visibility::{RayTree, Topology};
 
 /// A facet's number and one of its edges are kept in 31 bits.
 pub(crate) const MOST_FACETS: usize = 1 << 29;
@@ -39,6 +39,7 @@ struct Checked {
     surface: Surface,
     bounds_m: Option<(DVec3, DVec3)>,
     topology: OnceLock<Topology>,
+    ray_tree: OnceLock<RayTree>,
     // Parts of a body are made of the same.
     albedos: Arc<Albedos>,
 }
@@ -79,7 +80,7 @@ impl Body {
 
     fn of(surface: Surface, albedos: Arc<Albedos>) -> Self {
         let bounds_m = surface.mesh.bounds_m();
-        Body(Arc::new(Checked { surface, bounds_m, topology: OnceLock::new(), albedos }))
+        Body(Arc::new(Checked { surface, bounds_m, topology: OnceLock::new(), ray_tree: OnceLock::new(), albedos }))
     }
 
     /// Some of its facets, ascending, as a body: of the same materials, and each facet's face is that which it had.
@@ -154,6 +155,23 @@ impl Body {
             tell(watch, "topology", 0, 1)?;
         }
         Ok(self.topology())
+    }
+
+    /// What was found before of a mesh that is equal.
+    pub(crate) fn take_topology(&self, found: Topology) {
+        if found.neighbour.len() == self.mesh.facets.len() {
+            let _ = self.0.topology.set(found);
+        }
+    }
+
+    /// Where rays meet it: made when it is first asked for.
+    pub fn ray_tree(&self) -> &RayTree {
+        self.0.ray_tree.get_or_init(|| RayTree::new(&self.mesh))
+    }
+
+    /// One of a mesh that is equal.
+    pub(crate) fn take_ray_tree(&self, tree: RayTree) {
+        let _ = self.0.ray_tree.set(tree);
     }
 
     /// The surface, to be changed and checked again: copied only if others share it.

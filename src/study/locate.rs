@@ -34,7 +34,7 @@ const ON_POINT: f64 = 1e-10;
 pub struct Locator<'a> {
     pub(super) scene: &'a Scene,
     pub(super) motion: Option<(&'a Motion, Timing)>,
-    pub(super) tree: RayTree,
+    pub(super) tree: &'a RayTree,
     /// The camera in the middle of each exposure, cached: many places share an exposure.
     middles: Vec<OnceLock<Now>>,
 }
@@ -109,13 +109,13 @@ pub struct Seen {
 
 /// The outermost facet at a planetocentric latitude and east longitude, deg, and the point there, from the body's
 /// centre in body axes, m.
-pub fn outermost_at(tree: &RayTree, body: &Body, place_deg: [f64; 2]) -> Option<(u32, DVec3)> {
+pub fn outermost_at(body: &Body, place_deg: [f64; 2]) -> Option<(u32, DVec3)> {
     let (low_m, high_m) = body.bounds_m()?;
     let up = direction_of_deg(place_deg);
     // A ray from outside the body towards the centre, no farther.
     let reach_m = (low_m + body.origin_m).abs().max((high_m + body.origin_m).abs()).length();
     let from_m = up * (2.0 * reach_m);
-    let hit = tree.nearest(from_m - body.origin_m, -up).filter(|hit| hit.t <= 2.0 * reach_m)?;
+    let hit = body.ray_tree().nearest(from_m - body.origin_m, -up).filter(|hit| hit.t <= 2.0 * reach_m)?;
     Some((hit.facet, from_m - up * hit.t))
 }
 
@@ -134,7 +134,7 @@ impl<'a> Locator<'a> {
             Readout::Frame | Readout::Band | Readout::Line => timing.count(&scene.exposure),
         });
         let middles = (0..exposures).map(|_| OnceLock::new()).collect();
-        Locator { scene, motion, tree: RayTree::new(&scene.body.mesh), middles }
+        Locator { scene, motion, tree: scene.body.ray_tree(), middles }
     }
 
     /// The reference band, counted from 0: the middle one for a filter.

@@ -6,7 +6,6 @@ use super::locate::outermost_at;
 use crate::geometry::planetocentric_deg;
 use crate::geometry::{whole, whole_u32};
 use crate::scene::Body;
-use crate::visibility::RayTree;
 
 /// About the number of pixels of a map, and the largest and smallest side.
 const PIXELS: f64 = 720.0 * 360.0;
@@ -38,7 +37,8 @@ impl SurfaceMap {
         let [width, height] = [longitude_deg, latitude_deg].map(|[first, last]| last - first);
         let per_deg = (PIXELS / (width * height)).sqrt();
         let [samples, lines] = [width, height].map(|deg| whole((deg * per_deg).round().clamp(SIDES[0], SIDES[1])));
-        let tree = RayTree::new(&body.mesh);
+        // Made before threads ask for it.
+        body.ray_tree();
         let at = |ends: [f64; 2], share: f64| ends[0] + (ends[1] - ends[0]) * share;
         let share = |i: usize, n: usize| (f64::from(whole_u32(i as f64)) + 0.5) / n as f64;
         let facet = (0..samples * lines)
@@ -47,7 +47,7 @@ impl SurfaceMap {
                 let (line, sample) = (pixel / samples, pixel % samples);
                 let latitude = at([latitude_deg[1], latitude_deg[0]], share(line, lines));
                 let longitude = at(longitude_deg, share(sample, samples));
-                outermost_at(&tree, body, [latitude, longitude]).map(|(facet, _)| facet)
+                outermost_at(body, [latitude, longitude]).map(|(facet, _)| facet)
             })
             .collect();
         SurfaceMap { longitude_deg, latitude_deg, samples, lines, facet }

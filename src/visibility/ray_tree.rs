@@ -41,6 +41,15 @@ struct Triangle {
     facet: u32,
 }
 
+/// How a tree orders the facets of its mesh, from which it follows.
+#[derive(Debug)]
+pub(crate) struct TreeOrder {
+    /// Of each node what is at it, how many triangles, and its axis.
+    pub(crate) nodes: Vec<[u32; 3]>,
+    /// Facets, as leaves hold them.
+    pub(crate) facets: Vec<u32>,
+}
+
 /// Where a ray meets a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
@@ -52,11 +61,16 @@ pub struct Hit {
     pub front: bool,
 }
 
+/// What coordinates of a mesh are rounded by, with room to spare, m.
+fn rounding_m(mesh: &Mesh) -> f64 {
+    let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
+    1e-13 * low_m.abs().max(high_m.abs()).max_element()
+}
+
 impl RayTree {
     /// Over all facets that have an area.
     pub fn new(mesh: &Mesh) -> Self {
-        let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
-        let rounding_m = 1e-13 * low_m.abs().max(high_m.abs()).max_element();
+        let rounding_m = rounding_m(mesh);
         let mut items: Vec<Item> = (0..mesh.facets.len())
             .filter_map(|f| {
                 let [a, b, c] = mesh.facet(f).corners_m;
@@ -103,6 +117,51 @@ impl RayTree {
         self.build(mesh, first, depth + 1);
         self.nodes[at].at = index_u32(self.nodes.len());
         self.build(mesh, second, depth + 1);
+    }
+
+    /// How it orders facets.
+    pub(crate) fn order(&self) -> TreeOrder {
+        let numbers = |node: &Node| [node.at, node.count.into(), node.axis.into()];
+        TreeOrder {
+            nodes: self.nodes.iter().map(numbers).collect(),
+            facets: self.triangles.iter().map(|triangle| triangle.facet).collect(),
+        }
+    }
+
+    /// The tree of an order; `None` if it is not that of a tree of this mesh.
+    pub(crate) fn from_order(mesh: &Mesh, order: TreeOrder) -> Option<Self> {
+        let rounding_m = rounding_m(mesh);
+        let triangle = |facet: u32| {
+            let is_of_mesh = (facet as usize) < mesh.facets.len();
+            is_of_mesh.then(|| Triangle { corners_m: mesh.facet(facet as usize).corners_m, facet })
+        };
+        let triangles: Vec<Triangle> = order.facets.into_iter().map(triangle).collect::<Option<_>>()?;
+        let blank = |[at, count, axis]: [u32; 3]| {
+            let (count, axis) = (u16::try_from(count).ok()?, u16::try_from(axis).ok().filter(|axis| *axis < 3)?);
+            Some((Node { low: DVec3::ZERO, high: DVec3::ZERO, at, count, axis }, 0))
+        };
+        // Children come behind their parents: from the end on, boxes and depths below are known.
+        let mut nodes: Vec<(Node, usize)> = order.nodes.into_iter().map(blank).collect::<Option<_>>()?;
+        for i in (0..nodes.len()).rev() {
+            let (node, _) = nodes[i];
+            let (low, high, depth) = if node.count > 0 {
+                let first = node.at as usize;
+                let held = triangles.get(first..first + usize::from(node.count))?;
+                let corners = || held.iter().flat_map(|triangle| triangle.corners_m);
+                (corners().reduce(DVec3::min)?, corners().reduce(DVec3::max)?, 0)
+            } else {
+                let second = node.at as usize;
+                let ((one, above), (other, beside)) =
+                    (nodes.get(i + 1)?, nodes.get(second).filter(|_| second > i + 1)?);
+                (one.low.min(other.low), one.high.max(other.high), 1 + above.max(beside))
+            };
+            // So many boxes may be open at once.
+            if depth >= 2 * DEEPEST {
+                return None;
+            }
+            nodes[i] = (Node { low, high, ..node }, depth);
+        }
+        Some(RayTree { nodes: nodes.into_iter().map(|(node, _)| node).collect(), triangles, rounding_m })
     }
 
     /// The nearest facet that a ray meets.

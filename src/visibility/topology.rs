@@ -31,6 +31,23 @@ pub struct Topology {
     pub coincident_facets: usize,
 }
 
+/// A topology taken apart, to be kept and put together again.
+#[derive(Debug)]
+pub(crate) struct TopologyParts {
+    /// As [`Topology::neighbour`].
+    pub(crate) neighbour: Vec<[u32; 3]>,
+    /// The connected part of each facet.
+    pub(crate) part: Vec<u32>,
+    /// Of each part that is closed the least and the greatest of its coordinates, m.
+    pub(crate) closed: Vec<Option<[DVec3; 2]>>,
+    /// As [`Topology::open_edges`].
+    pub(crate) open_edges: usize,
+    /// As [`Topology::flipped_facets`].
+    pub(crate) flipped_facets: usize,
+    /// As [`Topology::coincident_facets`].
+    pub(crate) coincident_facets: usize,
+}
+
 /// A part that is proven closed: the least and the greatest of its coordinates, m.
 #[derive(Debug, Clone, Copy)]
 struct ClosedPart {
@@ -67,6 +84,35 @@ impl Topology {
         let closed = parts.part.iter().map(|p| bodies[*p as usize].is_some()).collect();
         let open_edges = open.len() + 2 * doubled.len();
         Topology { neighbour, closed, part: parts.part, bodies, open_edges, flipped_facets, coincident_facets }
+    }
+
+    /// Taken apart.
+    pub(crate) fn parts(&self) -> TopologyParts {
+        TopologyParts {
+            neighbour: self.neighbour.clone(),
+            part: self.part.clone(),
+            closed: self.bodies.iter().map(|body| body.map(|body| [body.low_m, body.high_m])).collect(),
+            open_edges: self.open_edges,
+            flipped_facets: self.flipped_facets,
+            coincident_facets: self.coincident_facets,
+        }
+    }
+
+    /// Put together again; `None` if these are not the parts of a topology of so many facets.
+    pub(crate) fn from_parts(parts: TopologyParts, facets: usize) -> Option<Self> {
+        let TopologyParts { neighbour, part, closed, open_edges, flipped_facets, coincident_facets } = parts;
+        let is_facet = |f: &u32| *f == NONE || (*f as usize) < facets;
+        let is_part = |p: &u32| (*p as usize) < closed.len();
+        let is_whole = [neighbour.len(), part.len()] == [facets; 2]
+            && neighbour.iter().flatten().all(is_facet)
+            && part.iter().all(is_part);
+        if !is_whole {
+            return None;
+        }
+        let bodies: Vec<_> =
+            closed.into_iter().map(|closed| closed.map(|[low_m, high_m]| ClosedPart { low_m, high_m })).collect();
+        let closed = part.iter().map(|p| bodies[*p as usize].is_some()).collect();
+        Some(Topology { neighbour, closed, part, bodies, open_edges, flipped_facets, coincident_facets })
     }
 
     /// Whether the mesh is one part, and that one closed.

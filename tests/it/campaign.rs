@@ -715,3 +715,46 @@ fn a_thousand_acquisitions_take_the_memory_of_a_few() {
         assert!(a == b, "{}", name.display());
     }
 }
+
+#[test]
+fn its_scene_is_set_and_kept_prepared() {
+    let scratch = scratch();
+    let cache = scratch.argument("cache");
+    let (code, lines, err) = made(&scratch, "plain", &[]);
+    assert!(code == 0 && states(&lines, "done") == NAMES.len(), "{err}");
+    // Twice from a cache, the second time with nothing left to make.
+    let (code, lines, _) = made(&scratch, "cached", &["--cache", &cache]);
+    assert!(code == 0 && states(&lines, "done") == NAMES.len());
+    let kinds: Vec<String> = std::fs::read_dir(&cache)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter_map(|path| Some(path.extension()?.to_string_lossy().into_owned()))
+        .collect();
+    for kind in ["mesh", "topology", "tree"] {
+        assert!(kinds.iter().any(|of| of == kind), "{kind}: {kinds:?}");
+    }
+    let (_, lines, _) = made(&scratch, "plain", &["--cache", &cache]);
+    assert_eq!(states(&lines, "kept"), NAMES.len());
+    let bytes = |folder: &str, name: &str, file: &str| {
+        std::fs::read(scratch.join(folder).join("products").join(name).join(file)).unwrap()
+    };
+    for name in NAMES {
+        for file in ["cube.img", "backplanes.img", "report.json"] {
+            assert!(bytes("plain", name, file) == bytes("cached", name, file), "{name}/{file}");
+        }
+    }
+    // Other settings are other acquisitions.
+    let (code, lines, err) = made(&scratch, "plain", &["--set", "sensor.samples=5"]);
+    assert_eq!(states(&lines, "kept"), 0, "{code} {err}");
+    let (code, lines, err) = made(&scratch, "set", &["--set", "sensor.samples=5"]);
+    assert!(code == 0 && states(&lines, "done") == NAMES.len(), "{err}");
+    assert_eq!(bytes("set", "site", "cube.img").len(), 5 * 6 * 2 * 4);
+    let report: serde_json::Value = serde_json::from_slice(&bytes("set", "site", "report.json")).unwrap();
+    assert_eq!(report["settings"], serde_json::json!(["sensor.samples=5"]));
+    // Its image is mapped by the same settings.
+    let (product, campaign, map) =
+        (scratch.argument("set/products/site"), scratch.argument("campaign.toml"), scratch.argument("map"));
+    let (code, _, err) =
+        run(&["locate", &product, "--campaign", &campaign, "--ortho", "plate-carree:1", "-o", &map, "--quiet"]);
+    assert_eq!(code, 0, "{err}");
+}

@@ -96,3 +96,31 @@ fn mistakes_are_told_where_they_are_made() {
     let (code, out, err) = run(&["inspect", &scratch.argument("scene.toml"), "--set", "sensor.samples=7"]);
     assert!(code == 0 && out.contains('7'), "{out}{err}");
 }
+
+#[test]
+fn a_place_is_looked_for_in_the_scene_as_it_is_set() {
+    let scratch = folder();
+    let scene = scratch.argument("scene.toml");
+    let ask = |settings: &[&str]| run(&[&["locate", &scene, "--pixel", "4,1.5"][..], settings].concat());
+    let metres = |out: &str, column: usize| -> f64 {
+        out.lines().nth(1).unwrap().split(',').nth(column).unwrap().parse().unwrap()
+    };
+    // The right edge of an image of 4 samples is 2 samples from the middle; on the ground, 1000 m below, each is as wide as 1 mrad spans.
+    let pixel_m = 2.0 * 1000.0 * 0.5e-3_f64.tan();
+    let (code, out, err) = ask(&[]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    assert!((metres(&out, 5) - 2.0 * pixel_m).abs() < 1e-9, "{out}");
+    // Of 6 samples it is 1 from there.
+    let (code, out, _) = ask(&["--set", "sensor.samples=6"]);
+    assert_eq!(code, 0);
+    assert!((metres(&out, 5) - pixel_m).abs() < 1e-9, "{out}");
+    let (code, _, err) = ask(&["--set", "sensor.sample=6"]);
+    assert!(code == 1 && err.contains("sensor.sample"), "{err}");
+    // A product has its own.
+    assert_eq!(simulate(&scratch, "scene.toml", "set", &["sensor.samples=6"]).0, 0);
+    let (product, map) = (scratch.argument("set"), scratch.argument("map"));
+    let ortho = ["locate", &product, "--ortho", "tangent:1", "-o", &map, "--quiet"];
+    let (code, _, err) = run(&[&ortho[..], &["--set", "sensor.samples=4"]].concat());
+    assert!(code == 1 && err.contains("settings of its own"), "{err}");
+    assert_eq!(run(&ortho).0, 0);
+}

@@ -13,7 +13,7 @@ use glam::DVec3;
 use super::located::Document;
 use super::product_folder::ProductOptions;
 use super::scene_toml::{Changes, Template, Variant, id};
-use super::{InputFile, Subject};
+use super::{InputFile, Reading, Subject};
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::{Epoch, LeapSeconds, Span};
 use crate::product::CoverageRule;
@@ -21,7 +21,6 @@ use crate::progress::Watch;
 use crate::scene::Body;
 use crate::study::locate::outermost_at;
 use crate::study::{Choice, Request, TOLERANCE};
-use crate::visibility::RayTree;
 
 pub use moments::Acquisition;
 use moments::{Told, acquisitions};
@@ -79,6 +78,14 @@ impl Campaign {
     /// # Errors
     /// Those of [`scene_toml::read`](super::scene_toml::read), for both files; [`Error::Invalid`] with all that is wrong with moments, names and targets.
     pub fn open(path: &Path, watch: Watch<'_>) -> Result<Self> {
+        Self::open_with(path, &Reading::default(), watch)
+    }
+
+    /// The same, with items of the scene file replaced, or from a cache.
+    ///
+    /// # Errors
+    /// As [`open`](Campaign::open).
+    pub fn open_with(path: &Path, reading: &Reading, watch: Watch<'_>) -> Result<Self> {
         let (document, input) = Document::open(path)?;
         let CampaignToml { scene, acquisitions: entries, output, coverage, .. } = document.read()?;
         let beside = |name: &str| super::staging::folder_of(path).join(name);
@@ -88,7 +95,7 @@ impl Campaign {
         };
         let scene = beside(&scene);
         let template = match scene.is_file() {
-            true => Template::open(&scene, Some(&moments), watch)?,
+            true => Template::open(&scene, reading, Some(&moments), watch)?,
             false => {
                 let why = if scene.exists() { "is a folder: name its scene file" } else { "there is no such file" };
                 return Err(Error::invalid(document.at("scene"), format!("{}: {why}", scene.display())));
@@ -101,10 +108,13 @@ impl Campaign {
         };
         let request = request(&output, &mut told);
         let rule = rule(&coverage, &mut told);
-        let mut targets = Targets::default();
         let body = &template.file.scene.body;
+        if let Some(cache) = reading.cache.as_ref().filter(|_| entries.iter().any(|entry| entry.latitude_deg.is_some()))
+        {
+            cache.plant(body);
+        }
         let of = |(i, toml): (usize, AcquisitionToml)| {
-            let target_m = targets.of(&toml, &format!("acquisitions[{i}]"), body, &mut told);
+            let target_m = target(&toml, &format!("acquisitions[{i}]"), body, &mut told);
             let keys = document.element("acquisitions", i);
             let changes: Vec<_> = CHANGES.iter().filter_map(|key| Some((*key, keys?.get(*key)?))).collect();
             Entry { toml, changes: format!("{changes:?}"), target_m }
@@ -147,6 +157,11 @@ impl Campaign {
         &self.template.file.inputs
     }
 
+    /// What of the scene file was replaced, as it was said.
+    fn settings(&self) -> &[String] {
+        &self.template.file.settings
+    }
+
     /// The place of an item in the file.
     pub fn at(&self, item: &str) -> Location {
         self.document.at(item)
@@ -161,7 +176,7 @@ impl Campaign {
         };
         put(b"mmxrt campaign 1");
         put(env!("CARGO_PKG_VERSION").as_bytes());
-        put(id(self.inputs(), &[]).as_bytes());
+        put(id(self.inputs(), self.settings()).as_bytes());
         put(&acquisition.epoch.tdb_s().to_le_bytes());
         if let Some(Entry { changes, target_m, .. }) = self.entries.get(acquisition.entry) {
             put(changes.as_bytes());
@@ -178,7 +193,7 @@ impl Campaign {
         let mut variant = self.variant(acquisition.entry)?;
         variant.motion.start = acquisition.epoch;
         let named = |parts: &[&str]| blake3::hash(parts.join("\n").as_bytes()).to_hex().to_string();
-        let sights_id = named(&[&self.entry_id(acquisition), &id(&variant.inputs, &[])]);
+        let sights_id = named(&[&self.entry_id(acquisition), &id(&variant.inputs, self.settings())]);
         let Request { choice, tolerance } = &self.request;
         let options = format!("{:?} {choice} {:016x}", self.options, tolerance.to_bits());
         let product_id = named(&[&sights_id, &options]);
@@ -194,7 +209,16 @@ impl Campaign {
         let scene = self.template.scene(&variant).map_err(|error| self.placed(acquisition, error))?;
         let Variant { motion, timing, chain, inputs, defaults, notes, .. } = variant;
         let motion = Some((motion, timing));
-        Ok(Subject { scene, motion, chain, id: product_id, inputs, settings: vec![], defaults, warnings: notes })
+        Ok(Subject {
+            scene,
+            motion,
+            chain,
+            id: product_id,
+            inputs,
+            settings: self.settings().to_vec(),
+            defaults,
+            warnings: notes,
+        })
     }
 
     /// What is wrong with an acquisition, at its place in the file.
@@ -302,41 +326,31 @@ fn rule(toml: &CoverageToml, told: &mut Told<'_>) -> CoverageRule {
     }
 }
 
-/// Ground targets of boresights.
-#[derive(Default)]
-struct Targets {
-    /// Made when first needed for a latitude and longitude.
-    tree: Option<RayTree>,
-}
-
-impl Targets {
-    /// The target of an entry, if it has one, from the body's centre in body axes, m.
-    fn of(&mut self, toml: &AcquisitionToml, item: &str, body: &Body, told: &mut Told<'_>) -> Option<DVec3> {
-        let target_m = match (toml.target_m, toml.latitude_deg, toml.longitude_deg) {
-            (None, None, None) => return None,
-            (Some(target_m), None, None) => Some(DVec3::from_array(target_m)),
-            (None, Some(latitude_deg), Some(longitude_deg)) => {
-                let tree = self.tree.get_or_insert_with(|| RayTree::new(&body.mesh));
-                let found = outermost_at(tree, body, [latitude_deg, longitude_deg]).map(|(_, point_m)| point_m);
-                if found.is_none() {
-                    let message = format!("no surface at latitude {latitude_deg} deg, longitude {longitude_deg} deg");
-                    let help = "longitudes are east, 0 to 360 or -180 to 180: is the place on the scene's mesh?";
-                    told.tell(&format!("{item}.latitude_deg"), message, help);
-                }
-                found
+/// The target of an entry, if it has one, from the body's centre in body axes, m.
+fn target(toml: &AcquisitionToml, item: &str, body: &Body, told: &mut Told<'_>) -> Option<DVec3> {
+    let target_m = match (toml.target_m, toml.latitude_deg, toml.longitude_deg) {
+        (None, None, None) => return None,
+        (Some(target_m), None, None) => Some(DVec3::from_array(target_m)),
+        (None, Some(latitude_deg), Some(longitude_deg)) => {
+            let found = outermost_at(body, [latitude_deg, longitude_deg]).map(|(_, point_m)| point_m);
+            if found.is_none() {
+                let message = format!("no surface at latitude {latitude_deg} deg, longitude {longitude_deg} deg");
+                let help = "longitudes are east, 0 to 360 or -180 to 180: is the place on the scene's mesh?";
+                told.tell(&format!("{item}.latitude_deg"), message, help);
             }
-            _ => {
-                let help = "give `target_m`, or `latitude_deg` and `longitude_deg`, or none of them";
-                told.tell(item, "must give its target in exactly one way", help);
-                None
-            }
-        };
-        let other =
-            toml.pointing.as_ref().filter(|of| of.target_m.is_some() || of.frame.is_some() || of.fixed_in.is_some());
-        if other.is_some() {
-            let message = "conflicts with the target: both say where to look; leave one out";
-            told.tell(&format!("{item}.pointing"), message, "");
+            found
         }
-        target_m
+        _ => {
+            let help = "give `target_m`, or `latitude_deg` and `longitude_deg`, or none of them";
+            told.tell(item, "must give its target in exactly one way", help);
+            None
+        }
+    };
+    let other =
+        toml.pointing.as_ref().filter(|of| of.target_m.is_some() || of.frame.is_some() || of.fixed_in.is_some());
+    if other.is_some() {
+        let message = "conflicts with the target: both say where to look; leave one out";
+        told.tell(&format!("{item}.pointing"), message, "");
     }
+    target_m
 }

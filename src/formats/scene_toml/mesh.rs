@@ -235,7 +235,8 @@ impl TomlReader<'_> {
     /// A file's mesh, m, z up, its materials, and doubts about them.
     fn mesh_file(&mut self, item: &str, name: &str, toml: &MeshToml) -> Option<(Mesh, Vec<ObjMaterial>, Vec<Note>)> {
         self.tell("reading meshes", 0, 1);
-        let read = registry::mesh(&self.path(name), true);
+        let path = self.path(name);
+        let read = self.cache.map_or_else(|| registry::mesh(&path, true), |cache| cache.mesh_file(&path));
         self.tell("reading meshes", 1, 1);
         let file = self.taken(item, read)?;
         self.inputs.extend(file.inputs);
@@ -371,7 +372,7 @@ impl TomlReader<'_> {
         let opened = self.taken(item, opened)?;
         self.inputs.extend(opened.inputs.iter().cloned());
         self.notes.extend(opened.notes.iter().map(|note| format!("{item}: {note}")));
-        let made = opened.generate(self.watch);
+        let made = self.cache.map_or_else(|| opened.generate(self.watch), |cache| cache.landscape(&opened, self.watch));
         self.taken(item, made)
     }
 }

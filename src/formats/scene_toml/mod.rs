@@ -43,15 +43,15 @@ use crate::scene::{
 use crate::spectral::{Extend, Spectrum, SunTotal, solar_e490};
 use crate::units::{AU_M, MARS_RADIUS_M, SUN_RADIUS_M, TSI_1AU_W_M2};
 
-use super::InputFile;
 use super::dart::database::DATABASE;
 use super::input;
 use super::located::{self, Document};
 use super::registry;
-use super::setting::{self, Setting};
+use super::setting;
 use super::sli::SLI;
 use super::spectra;
 use super::spectrum_csv::{NOISE, Quantity};
+use super::{Cache, InputFile, Reading};
 pub(super) use atlas::Tiling;
 pub(super) use lens::{Lens, Optics};
 pub(super) use materials::EMISSIVITY_BOLOMETRIC;
@@ -148,30 +148,31 @@ const MARS_THERMAL_EXITANCE_W_M2: f64 = 110.0;
 /// [`Error::Invalid`] with all problems of the text, or of the values and the files named, or of the whole;
 /// [`Error::Interrupted`] if `watch` asks to stop.
 pub fn read(path: &Path, watch: Watch<'_>) -> Result<SceneFile> {
-    read_with(path, &[], watch)
+    read_with(path, &Reading::default(), watch)
 }
 
-/// The same, with some items replaced.
+/// The same, with items replaced, or from a cache.
 ///
 /// # Errors
 /// As [`read`]; [`Error::Invalid`] for what has no place in the text.
-pub fn read_with(path: &Path, settings: &[Setting], watch: Watch<'_>) -> Result<SceneFile> {
-    Ok(read_for(path, settings, None, watch)?.0)
+pub fn read_with(path: &Path, reading: &Reading, watch: Watch<'_>) -> Result<SceneFile> {
+    Ok(read_for(path, reading, None, watch)?.0)
 }
 
 /// The same, and what the file says, for a scene that is looked at at other moments too.
 fn read_for(
     path: &Path,
-    settings: &[Setting],
+    reading: &Reading,
     moments: Option<Moments<'_>>,
     watch: Watch<'_>,
 ) -> Result<(SceneFile, SceneToml)> {
     let (document, input) = Document::open(path)?;
-    let document = setting::with(document, settings)?;
+    let document = setting::with(document, &reading.settings)?;
     let toml: SceneToml = document.read()?;
     let mut reader = TomlReader::new(path, document, DVec3::from_array(toml.origin_m), input, watch);
     reader.is_beside_scene = false;
     reader.moments = moments;
+    reader.cache = reading.cache.as_ref();
     reader.tell("reading the scene", 0, 1);
     let scene = reader.scene(&toml);
     reader.tell("reading the scene", 1, 1);
@@ -193,6 +194,9 @@ fn read_for(
     if let Some((motion, timing)) = &reader.motion {
         scene = at_reference(&scene, &scene.exposure, motion, timing).map_err(|e| reader.placed(e))?;
     }
+    if let Some(cache) = &reading.cache {
+        cache.hang_together(&scene.body, watch)?;
+    }
     let mesh = &scene.body.mesh;
     tracing::info!(vertices = mesh.vertices_m.len(), facets = mesh.facets.len(), "read {}", path.display());
     let unsimulated = match scene.simulable() {
@@ -200,7 +204,7 @@ fn read_for(
         _ => None,
     };
     let TomlReader { defaults, notes, inputs, motion, chain, copies, .. } = reader;
-    let settings = settings.iter().map(ToString::to_string).collect();
+    let settings = reading.settings.iter().map(ToString::to_string).collect();
     Ok((SceneFile { scene, defaults, notes, inputs, motion, chain, copies, settings, unsimulated }, toml))
 }
 
@@ -251,6 +255,8 @@ pub(super) struct TomlReader<'a> {
     around: Vec<u32>,
     /// What recipes cover their landscapes with.
     grains: Vec<grain::OfRecipe>,
+    /// Where prepared bodies are kept.
+    cache: Option<&'a Cache>,
     /// When else the scene is looked at, beside its own moment.
     moments: Option<Moments<'a>>,
     /// The item of another file that changes some of the scene, as `acquisitions[2]`: its keys are those of `flight`.
@@ -278,6 +284,7 @@ impl<'a> TomlReader<'a> {
             beyond: Vec::new(),
             around: Vec::new(),
             grains: Vec::new(),
+            cache: None,
             moments: None,
             entry: None,
             watch,

@@ -8,8 +8,8 @@ use super::types::{FlightToml, PointingToml, SceneToml, SensorToml};
 use super::{Moments, SceneFile, Stated, TomlReader, at_reference, read_for};
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::{Aim, Pointing};
-use crate::formats::InputFile;
 use crate::formats::located::Document;
+use crate::formats::{InputFile, Reading};
 use crate::instrument::Chain;
 use crate::progress::{Watch, unwatched};
 use crate::scene::{Exposure, Motion, Readout, STEPS_OF_A_DAY, Scene, Timing};
@@ -52,8 +52,13 @@ impl Template {
     ///
     /// # Errors
     /// Those of [`read`](super::read) and of [`SceneFile::simulable`]; [`Error::Invalid`] for a scene that does not move.
-    pub(in crate::formats) fn open(path: &Path, moments: Option<Moments<'_>>, watch: Watch<'_>) -> Result<Self> {
-        let (file, toml) = read_for(path, &[], moments, watch)?;
+    pub(in crate::formats) fn open(
+        path: &Path,
+        reading: &Reading,
+        moments: Option<Moments<'_>>,
+        watch: Watch<'_>,
+    ) -> Result<Self> {
+        let (file, toml) = read_for(path, reading, moments, watch)?;
         file.simulable()?;
         if file.motion.is_none() {
             let message = "has no table `flight`: nothing says where things are at other moments";

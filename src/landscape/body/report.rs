@@ -1,6 +1,7 @@
 //! What a wrap does to a site, in numbers.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use super::Wrap;
 
@@ -8,7 +9,7 @@ use super::Wrap;
 const SIDE: i32 = 65;
 
 /// What a wrap does to a site.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct WrapReport {
     /// The target's distance from the body's centre, less that of the ground below it, m.
     pub target_above_m: f64,

@@ -93,7 +93,7 @@ pub fn budget(locator: &Locator<'_>, knowledge: &Knowledge, asked: Asked, watch:
         return Err(Error::invalid(Location::item("focal_length.bias"), message));
     }
     let camera = &locator.scene.exposure.camera;
-    let truth = Ground { mesh: &locator.scene.body.mesh, tree: &locator.tree };
+    let truth = Ground { mesh: &locator.scene.body.mesh, tree: locator.tree };
     let tree = knowledge.mesh.as_ref().map(RayTree::new);
     let coarser = knowledge.mesh.as_ref().zip(tree.as_ref()).map(|(mesh, tree)| Ground { mesh, tree });
     let sources = knowledge.sources();
