@@ -1,4 +1,4 @@
-"""Opens a product with another program's library and compares what it says: open_products.py numpy|spectral|OpenEXR|xarray|zarr|astropy FOLDER.
+"""Opens a product with another program's library and compares what it says: open_products.py numpy|spectral|OpenEXR|xarray|zarr|astropy|pds4_tools FOLDER.
 
 The same with the cube that was converted: `converted.npy`, `converted.bip`, `converted.exr`, .. beside it. Each number is compared with the bytes of the ENVI cube, read here without any library.
 """
@@ -105,6 +105,13 @@ elif reader == "astropy":
     found, converted = numbers("cube.fits"), numbers("converted.fits")
     with fits.open(folder / "cube.fits") as units:
         assert json.loads(units["REPORT"].data["REPORT"][0]) == report and 0.5 < units["COVERAGE"].data.mean() <= 1
+elif reader == "pds4_tools":
+    import pds4_tools
+
+    cube = pds4_tools.read(str(folder / "cube.xml"), quiet=True)[0]
+    assert cube.type == "Array_3D_Spectrum" and cube.data.shape == (bands, lines, samples)
+    assert cube.meta_data["Element_Array"]["unit"] == "W m-2 sr-1 um-1"
+    found = converted = [cube.data[band, line, sample].item() for line, sample, band in places]
 else:
     sys.exit(f"no check for {reader}")
 

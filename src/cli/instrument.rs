@@ -9,6 +9,7 @@ use serde_json::json;
 
 use super::Outcome;
 use super::console::Console;
+use super::product::FormatArguments;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -23,6 +24,8 @@ pub(crate) struct Arguments {
     /// Replace an existing product folder
     #[arg(long)]
     force: bool,
+    #[command(flatten)]
+    format: FormatArguments,
     /// Blur pixel means, which lack subpixel detail: an approximation
     #[arg(long)]
     approximate: bool,
@@ -37,7 +40,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     super::settle_input(&arguments.cube, console)?;
     let instrument = instrument_toml::read(&arguments.instrument, &watch)?;
     let Arguments { cube, approximate, by_line, .. } = arguments;
-    let asked = Asked { cube: cube.clone(), instrument, approximate: *approximate, by_line: *by_line };
+    let (formats, exr) = arguments.format.formats();
+    let (cube, approximate, by_line) = (cube.clone(), *approximate, *by_line);
+    let asked = Asked { cube, instrument, approximate, by_line, formats, exr };
     let target = (arguments.output.as_path(), arguments.force);
     let report = job::instrument(&asked, target, || console.run("instrument"), &watch)?;
     report.warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use mmxrt::Result;
 use mmxrt::formats::Subject;
-use mmxrt::formats::container::Container;
 use mmxrt::formats::envi::{Interleave, Precision};
+use mmxrt::formats::product_cubes::{CubeFormat, CubeFormats};
 use mmxrt::formats::product_folder::{ProductFolder, ProductOptions, Written};
 use mmxrt::formats::report_json::{Cost, ImageEntry};
 use mmxrt::product::Quantity;
@@ -34,9 +34,8 @@ pub(crate) struct ProductArguments {
     /// What the numbers of the cube are
     #[arg(long, value_enum, default_value = "radiance")]
     quantity: QuantityName,
-    /// Formats of the cube: all but ENVI and OpenEXR hold its backplanes and report as well
-    #[arg(long, value_enum, value_name = "FORMAT,...", value_delimiter = ',', default_value = "envi")]
-    format: Vec<FormatName>,
+    #[command(flatten)]
+    format: FormatArguments,
     /// Also write the cube as spectral OpenEXR
     #[arg(long)]
     exr: bool,
@@ -73,10 +72,35 @@ enum QuantityName {
     BrightnessTemperature,
 }
 
+#[derive(clap::Args)]
+pub(crate) struct FormatArguments {
+    /// Formats of the cube: NetCDF, Zarr and FITS hold its backplanes and report as well
+    #[arg(long, value_enum, value_name = "FORMAT,...", value_delimiter = ',', default_value = "envi")]
+    format: Vec<FormatName>,
+}
+
+impl FormatArguments {
+    /// Those of cubes, and whether OpenEXR is one of them.
+    pub(super) fn formats(&self) -> (CubeFormats, bool) {
+        let of = |format: &FormatName| match format {
+            FormatName::Envi => CubeFormat::Envi,
+            FormatName::Pds4 => CubeFormat::Pds4,
+            FormatName::Netcdf => CubeFormat::Netcdf,
+            FormatName::Zarr => CubeFormat::Zarr,
+            FormatName::Fits => CubeFormat::Fits,
+            FormatName::Exr => CubeFormat::Exr,
+        };
+        let formats: Vec<CubeFormat> = self.format.iter().map(of).collect();
+        (CubeFormats::from(formats.as_slice()), formats.contains(&CubeFormat::Exr))
+    }
+}
+
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum FormatName {
     /// cube.img and cube.hdr
     Envi,
+    /// cube.xml: a label of PDS4 for the numbers in cube.img
+    Pds4,
     /// cube.nc: NetCDF by the CF conventions, for xarray, Panoply, GDAL
     Netcdf,
     /// cube.zarr: Zarr version 3, for xarray
@@ -115,22 +139,12 @@ impl ProductArguments {
             QuantityName::ReflectanceFactor => Quantity::ReflectanceFactor,
             QuantityName::BrightnessTemperature => Quantity::BrightnessTemperature,
         };
-        let asks = |format: FormatName| self.format.contains(&format);
-        let containers = [
-            (FormatName::Netcdf, Container::NetCdf),
-            (FormatName::Zarr, Container::Zarr),
-            (FormatName::Fits, Container::Fits),
-        ];
+        let (formats, exr) = self.format.formats();
         let options = ProductOptions {
             interleave,
             precision,
-            envi: asks(FormatName::Envi),
-            containers: containers
-                .into_iter()
-                .filter(|(name, _)| asks(*name))
-                .map(|(_, container)| container)
-                .collect(),
-            exr: self.exr || asks(FormatName::Exr),
+            formats,
+            exr: self.exr || exr,
             footprints: self.footprints,
             planes_of: self.planes_of.iter().map(|band| *band as usize - 1).collect(),
             table,

@@ -60,6 +60,7 @@ pub mod points_csv;
 pub mod ortho_folder;
 mod picture;
 pub mod ply;
+pub mod product_cubes;
 mod product_curves;
 pub mod product_folder;
 mod product_image;

@@ -4,15 +4,13 @@ use std::borrow::Cow;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::container::Container;
-use super::dataset::{Text, Value};
 use super::envi::{self, Interleave, Precision};
 use super::folder::Staged;
+use super::product_cubes::{CubeFile, CubeFormats, CubeSource};
 use super::product_curves;
-use super::raster::{self, CubeNotes};
 use super::report_json::{self, BandEntry, ImageEntry, Input, PlanEntry, ProductReport, Run, SignalEntry};
 use super::subject::Subject;
-use super::{exposures_csv, exr_cube, machine, npz, quicklook, registry};
+use super::{exposures_csv, exr_cube, machine, npz, quicklook};
 use crate::error::{Error, Location, Problem, Result};
 use crate::instrument::Detector;
 use crate::product::{Backplanes, Conversion, CubeAxes, FacetTable, Plane, Quantity, ShownBands, Slab};
@@ -28,10 +26,8 @@ pub struct ProductOptions {
     pub interleave: Interleave,
     /// Precision of the cube's numbers.
     pub precision: Precision,
-    /// Whether the cube is written as ENVI; backplanes are, in any case.
-    pub envi: bool,
-    /// In what else the cube is written, with its backplanes and the report.
-    pub containers: Vec<Container>,
+    /// In which formats cubes are.
+    pub formats: CubeFormats,
     /// The cube as spectral OpenEXR as well.
     pub exr: bool,
     /// Which facets each pixel sees as well.
@@ -52,8 +48,7 @@ impl Default for ProductOptions {
         ProductOptions {
             interleave: Interleave::Bsq,
             precision: Precision::F32,
-            envi: true,
-            containers: vec![],
+            formats: CubeFormats::default(),
             exr: false,
             footprints: false,
             planes_of: vec![],
@@ -140,7 +135,7 @@ impl ProductFolder {
         more_inputs: impl IntoIterator<Item = &'a PathBuf>,
         has_maps: bool,
     ) -> Result<()> {
-        let ProductOptions { precision, exr, split, table, quantity, ref containers, .. } = self.options;
+        let ProductOptions { precision, exr, split, table, quantity, ref formats, .. } = self.options;
         if split && quantity == Quantity::BrightnessTemperature {
             let message =
                 "temperatures of parts of the light do not add up: leave out the thermal part, or take radiance";
@@ -185,8 +180,7 @@ impl ProductFolder {
             Precision::F64 => 8,
         };
         // In the files of other formats, too, and there with the backplanes.
-        let copies = 1 + containers.len() as u64;
-        let cubes_bytes = number_bytes * if split { 2 } else { 1 } * copies + if exr { 4 } else { 0 };
+        let cubes_bytes = number_bytes * if split { 2 } else { 1 } * formats.copies() + if exr { 4 } else { 0 };
         self.staged.has_room(study::product_bytes(&subject.scene, cubes_bytes))
     }
 
@@ -365,10 +359,16 @@ fn write_files(
     let compass = Orientation::of(&subject.scene);
     quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), &shown, Some(&compass))?;
     quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), &shown, Some(&compass))?;
+    let has_numbers = signal.is_some();
     let report = ProductReport { signal, ..report(product, cube, coverage) };
     report_json::write(&file("report.json"), &report)?;
     tell(watch, "writing pictures and reports", 1, 1)?;
-    write_containers(staged.path(), options, planes, (&report, &titled("", &subject.scene)), watch)?;
+    let source = CubeSource {
+        by: &titled("", &subject.scene),
+        scene: Some(&report.scene),
+        report: report_json::text(&file("report.json"), &report)?,
+    };
+    options.formats.write(staged.path(), &cubes(options, has_numbers, planes), &source, watch)?;
     let mut run = run();
     product.plan.iter().for_each(|plan| run.set_costs(plan));
     run.files = files(staged.path())?.into_iter().collect();
@@ -376,57 +376,19 @@ fn write_files(
     Ok((report, run))
 }
 
-/// The images that are cubes: their names, and what their numbers are where that is not the product's quantity.
-const CUBES: [(&str, Option<Quantity>); 3] = [("cube", None), ("thermal", None), ("dn", Some(Quantity::Counts))];
-
-/// Writes the cubes in other formats, from the files of ENVI, which are removed if they are not asked for.
-fn write_containers(
-    folder: &Path,
-    options: &ProductOptions,
-    planes: &Backplanes,
-    (report, by): (&ProductReport, &str),
-    watch: Watch<'_>,
-) -> Result<()> {
-    if options.containers.is_empty() {
-        return Ok(());
+/// The cubes of a product.
+fn cubes<'a>(options: &ProductOptions, has_numbers: bool, planes: &'a Backplanes) -> Vec<CubeFile<'a>> {
+    let quantity = options.quantity;
+    let words = quantity.title();
+    let mut cubes = vec![CubeFile { stem: "cube", quantity, words: words.to_owned(), planes: Some(planes) }];
+    if options.split {
+        cubes.push(CubeFile { stem: "thermal", quantity, words: format!("Thermal part of: {words}"), planes: None });
     }
-    for (stem, quantity) in CUBES {
-        let image = folder.join(format!("{stem}.img"));
-        if !image.exists() {
-            continue;
-        }
-        let quantity = quantity.unwrap_or(options.quantity);
-        let part = if stem == "thermal" { "Thermal part of: " } else { "" };
-        let words = format!("{part}{}", quantity.title());
-        for container in &options.containers {
-            let notes = CubeNotes {
-                quantity: (quantity.name(), &words),
-                unit: Some(quantity.unit()),
-                no_data: None,
-                attributes: vec![
-                    ("Conventions", "CF-1.11".into()),
-                    ("title", Value::Text(format!("{words}{by}"))),
-                    ("source", Value::Text(format!("mmxrt {}", env!("CARGO_PKG_VERSION")))),
-                    ("scene", Value::Text(report.scene.clone())),
-                ],
-                texts: vec![Text {
-                    name: "report",
-                    about: "how it was made: inputs and their hashes, effects modelled and left out, checks, warnings (JSON)",
-                    text: report_json::text(&folder.join("report.json"), report)?,
-                }],
-            };
-            let mut raster = registry::image(&image)?;
-            let path = folder.join(format!("{stem}.{}", container.ending()));
-            raster::write_cube(&mut raster, &path, *container, (stem == "cube").then_some(planes), notes, watch)?;
-        }
-        if !options.envi {
-            for ending in ["img", "hdr"] {
-                let path = folder.join(format!("{stem}.{ending}"));
-                std::fs::remove_file(&path).map_err(|e| Error::io(&path, "removing", e))?;
-            }
-        }
+    if has_numbers {
+        let quantity = Quantity::Counts;
+        cubes.push(CubeFile { stem: "dn", quantity, words: quantity.title().to_owned(), planes: None });
     }
-    Ok(())
+    cubes
 }
 
 /// Names and sizes, bytes, of what is in a product folder, by name.

@@ -402,7 +402,7 @@ pub fn write(path: &Path, value: &impl Serialize) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Io`].
-pub(super) fn text(path: &Path, value: &impl Serialize) -> Result<String> {
+pub(crate) fn text(path: &Path, value: &impl Serialize) -> Result<String> {
     let text = serde_json::to_string_pretty(value).map_err(|e| Error::io(path, "writing", e.into()))?;
     Ok(text + "\n")
 }

@@ -86,7 +86,7 @@ pub fn parse(header: &Header, bytes: &[u8], path: &Path) -> Result<(Vec<Spectral
     if !problems.is_empty() {
         return Err(Error::Invalid(problems));
     }
-    let good = good_channels(header)?;
+    let good = header.good(header.samples)?;
 
     let bytes_each = header.data_type.bytes();
     let mut stored = vec![0.0; count];
@@ -199,16 +199,6 @@ fn ascending(um: &[f64], at: Location, report: &mut Report) -> Vec<usize> {
         report.note(Fate::Approximated, at, message);
     }
     order
-}
-
-/// Whether each channel is good: `bbl`, the list of bad bands, has 0 for those that are not.
-fn good_channels(header: &Header) -> Result<Vec<bool>> {
-    let Some(list) = header.field("bbl") else { return Ok(vec![true; header.samples]) };
-    let flags: Option<Vec<bool>> = list.split(',').map(|flag| Some(flag.trim().parse::<f64>().ok()? != 0.0)).collect();
-    flags.filter(|flags| flags.len() == header.samples).ok_or_else(|| {
-        let message = format!("is not a list of {} numbers, 0 or 1", header.samples);
-        Error::invalid(Location::file(&header.path).with_item("bbl"), message)
-    })
 }
 
 /// Writes a library in double precision: the numbers to `path`, the header beside it (`.hdr`).

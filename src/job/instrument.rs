@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::envi::{EnviCube, Interleave, Precision};
+use crate::formats::exr_cube::ExrCube;
 use crate::formats::folder::Staged;
 use crate::formats::instrument_toml::InstrumentFile;
+use crate::formats::product_cubes::{CubeFile, CubeFormats, CubeSource};
 use crate::formats::registry;
 use crate::formats::report_json::{self, InstrumentReport, Run, SignalEntry};
 use crate::instrument::Chain;
@@ -26,6 +28,10 @@ pub struct Asked {
     pub approximate: bool,
     /// Whether all lines share detector elements, as for a push-broom.
     pub by_line: bool,
+    /// In which formats cubes are written.
+    pub formats: CubeFormats,
+    /// The cube of radiance as spectral OpenEXR as well.
+    pub exr: bool,
 }
 
 /// Applies an instrument to a cube and writes a folder: `cube.img`, `dn.img` for a detector, and reports; `run`
@@ -81,8 +87,9 @@ pub fn instrument(
     let axes = CubeAxes { samples: raster.columns, lines: raster.rows, bands, quantity: Quantity::Radiance };
     let readout = if asked.by_line { Readout::Line } else { Readout::Frame };
     let mut reader = detector.as_ref().map(|detector| Reader::new(detector, axes.clone(), (readout, 0))).transpose()?;
+    let by = format!(" by mmxrt {}", env!("CARGO_PKG_VERSION"));
     let create = |name: &str, axes: CubeAxes, precision| {
-        let title = format!("{} by mmxrt {}", axes.quantity.title(), env!("CARGO_PKG_VERSION"));
+        let title = format!("{}{by}", axes.quantity.title());
         EnviCube::create(&staged.path().join(name), axes, Interleave::Bsq, precision, &title)
     };
     let write = || -> Result<InstrumentReport> {
@@ -91,6 +98,9 @@ pub fn instrument(
         let wide = detector.as_ref().is_some_and(|detector| detector.bits > 16);
         let precision = if wide { Precision::U32 } else { Precision::U16 };
         let mut numbers = detector.as_ref().map(|_| create("dn.img", sent, precision)).transpose()?;
+        let title = format!("{}{by}", axes.quantity.title());
+        let exr = asked.exr.then(|| ExrCube::create(&staged.path().join("cube.exr"), &axes, &title));
+        let mut exr = exr.transpose()?;
         let (mut values, quiet) = (Vec::new(), crate::progress::unwatched);
         for (i, band) in axes.bands.iter().enumerate() {
             tell(watch, "bands", i as u64, axes.bands.len() as u64)?;
@@ -100,15 +110,20 @@ pub fn instrument(
                 None => values.clone(),
             };
             let slab = Slab::dense(0..axes.lines, i..i + 1, through);
+            let mut put = |slab: &Slab| {
+                exr.as_mut().map_or(Ok(()), |file| file.put(slab, &quiet))?;
+                cube.put(slab, &quiet)
+            };
             match (&mut reader, &mut numbers) {
                 (Some(reader), Some(file)) => reader.read(&slab, |Reading { radiance, numbers }| {
                     file.put(&numbers, &quiet)?;
-                    cube.put(&radiance, &quiet)
+                    put(&radiance)
                 })?,
-                _ => cube.put(&slab, &quiet)?,
+                _ => put(&slab)?,
             }
         }
         cube.end()?;
+        exr.map_or(Ok(()), ExrCube::end)?;
         numbers.map_or(Ok(()), EnviCube::end)?;
         let said = reader.as_ref().map(Reader::remarks).unwrap_or_default();
         let signal = reader
@@ -122,7 +137,15 @@ pub fn instrument(
             signal,
             warnings: asked.instrument.notes.iter().cloned().chain(remarks.clone()).chain(said).collect(),
         };
-        report_json::write(&staged.path().join("report.json"), &report)?;
+        let path = staged.path().join("report.json");
+        report_json::write(&path, &report)?;
+        let quantities =
+            [("cube", Quantity::Radiance)].into_iter().chain(detector.is_some().then_some(("dn", Quantity::Counts)));
+        let cubes: Vec<CubeFile> = quantities
+            .map(|(stem, quantity)| CubeFile { stem, quantity, words: quantity.title().to_owned(), planes: None })
+            .collect();
+        let source = CubeSource { by: &by, scene: None, report: report_json::text(&path, &report)? };
+        asked.formats.write(staged.path(), &cubes, &source, watch)?;
         report_json::write(&staged.path().join("run.json"), &run())?;
         Ok(report)
     };

@@ -9,7 +9,7 @@ use crate::formats::report_json::{self, ProductReport};
 use crate::formats::{Reading, Setting, Subject, ortho_folder, product_image, registry, scene_toml};
 use crate::product::{MapGrid, Plane};
 use crate::progress::Watch;
-use crate::scene::Readout;
+use crate::scene::{Body, Readout};
 use crate::study::{self, MapWish};
 
 /// Result.
@@ -129,11 +129,25 @@ pub fn ortho(
                 "" => format!("band {}", band + 1),
                 name => name.to_owned(),
             };
-            bands.push(Plane { name, unit: String::new(), values: grid.means(&parts, &values, size[0]) });
+            let of = &raster.bands[band];
+            let spectral = of.centre_um.map(|centre_um| [Some(centre_um), of.fwhm_um]);
+            let plane = Plane { name, unit: String::new(), values: grid.means(&parts, &values, size[0]) };
+            bands.push((plane, spectral));
         }
     }
     let mapped = Mapped { grid, entries: parts.len(), bands: bands.len() };
-    ortho_folder::write(staged.path(), &grid, &parts, bands, &file.id).map_err(|error| staged.named(error))?;
+    let radius_m = mean_radius_m(&scene.body);
+    ortho_folder::write(staged.path(), (&grid, radius_m), &parts, bands, &file.id)
+        .map_err(|error| staged.named(error))?;
     staged.commit()?;
     Ok(mapped)
+}
+
+/// Mean distance of a body's vertices from its centre, m.
+fn mean_radius_m(body: &Body) -> f64 {
+    let (sum_m, count) = body
+        .mesh
+        .used_vertices_m()
+        .fold((0.0, 0.0), |(sum_m, count), vertex_m| (sum_m + (vertex_m + body.origin_m).length(), count + 1.0));
+    sum_m / f64::max(count, 1.0)
 }

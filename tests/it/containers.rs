@@ -459,3 +459,37 @@ fn numbers_of_all_types_come_back_from_the_ends_of_what_they_hold() {
     }
     assert_eq!(tried, 81);
 }
+
+#[test]
+fn a_byte_that_is_another_is_not_read_where_there_is_a_checksum() {
+    // Of zarr-python: packed chunks with a checksum each; of shards their list of chunks alone has one.
+    for (name, file, covered) in [("chunks.zarr", "rad/c/1/1/1", usize::MAX), ("shards.zarr", "c/0/1/0", 16 * 8 + 4)] {
+        let scratch = Scratch::new();
+        copy(&data(name), &scratch.join(name));
+        let file = scratch.join(name).join(file);
+        let whole = std::fs::read(&file).unwrap();
+        let from = whole.len().saturating_sub(covered);
+        let mut tried = 0;
+        for at in from..whole.len() {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 1 << (at % 8);
+            std::fs::write(&file, bytes).unwrap();
+            let mut values = Vec::new();
+            let read = registry::image(&scratch.join(name))
+                .and_then(|mut raster| (0..raster.bands.len()).try_for_each(|band| raster.read(band, &mut values)));
+            let error = read.expect_err(&format!("{name}: byte {at}")).to_string();
+            assert!(error.contains("checksum"), "{name}: byte {at}: {error}");
+            tried += 1;
+        }
+        assert!(tried > 40, "{name}: {tried}");
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in from.read_dir().unwrap() {
+        let entry = entry.unwrap().path();
+        let target = to.join(entry.file_name().unwrap());
+        if entry.is_dir() { copy(&entry, &target) } else { _ = std::fs::copy(&entry, &target).unwrap() }
+    }
+}

@@ -101,7 +101,7 @@ fn scattered_light_is_the_mean_of_the_image() {
 const GAUSSIAN: f64 = 1.064_467_019_431_226_2;
 
 /// F/4, 30 um, 0.3, 0.05 s: electrons as worked out by hand for 1 um.
-const DETECTOR: &str = "f_number = 4.0\npixel_um = 30.0\nexposure_s = 0.05\n[sensor.detector]\nthroughput = 0.3\nread_e = 100\ndark_e_s = 1e4\ngain_e_dn = 50\noffset_dn = 300\n";
+pub(crate) const DETECTOR: &str = "f_number = 4.0\npixel_um = 30.0\nexposure_s = 0.05\n[sensor.detector]\nthroughput = 0.3\nread_e = 100\ndark_e_s = 1e4\ngain_e_dn = 50\noffset_dn = 300\n";
 
 #[test]
 fn a_detector_counts_what_it_should_and_as_noisily() {

@@ -65,6 +65,7 @@ mod isd;
 mod image_files;
 mod invariance;
 mod knowledge;
+mod labels;
 mod landscapes;
 mod layers;
 mod locate;

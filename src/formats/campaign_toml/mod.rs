@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 use super::located::Document;
+use super::product_cubes::{CubeFormat, CubeFormats};
 use super::product_folder::ProductOptions;
 use super::scene_toml::{Changes, Template, Variant, id};
 use super::{InputFile, Reading, Subject};
@@ -290,10 +291,12 @@ fn span(acquisitions: &[Acquisition], start: Epoch) -> Span {
 
 fn options(toml: &OutputToml) -> ProductOptions {
     let by_default = ProductOptions::default();
+    let formats = toml.formats.as_deref();
     ProductOptions {
         interleave: toml.interleave.map_or(by_default.interleave, Into::into),
         precision: toml.dtype.map_or(by_default.precision, Into::into),
-        exr: toml.exr,
+        formats: formats.map_or(by_default.formats, CubeFormats::from),
+        exr: toml.exr || formats.is_some_and(|formats| formats.contains(&CubeFormat::Exr)),
         footprints: toml.footprints,
         table: toml.table,
         split: toml.split,

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::formats::envi;
+use crate::formats::product_cubes::CubeFormat;
 use crate::formats::scene_toml::types::{PointingToml, SensorToml};
 use crate::product;
 
@@ -89,6 +90,9 @@ pub(crate) struct OutputToml {
     pub(crate) interleave: Option<InterleaveToml>,
     /// What the numbers of the cube are. Default "radiance".
     pub(crate) quantity: Option<QuantityToml>,
+    /// Formats of the cubes. Default ["envi"].
+    #[schemars(length(min = 1))]
+    pub(crate) formats: Option<Vec<CubeFormat>>,
     /// Also write the cube as spectral OpenEXR.
     #[serde(default)]
     pub(crate) exr: bool,

@@ -9,13 +9,13 @@ mod write;
 pub use self::pair::pair;
 pub use self::read_header::{Header, parse_header, read_header};
 pub use self::statistics::{BandStatistics, statistics};
-pub use self::write::{EnviCube, write_backplanes, write_cube, write_map, write_planes};
+pub use self::write::{EnviCube, MapPlace, write_backplanes, write_cube, write_map, write_planes};
 pub use super::number::DataType;
 
 pub(super) use self::pair::{ENDINGS, header_of};
 pub(super) use self::read_header::{KEYS, Scale};
 pub(super) use self::write::{SoFar, stream_lines_f32};
-pub(super) use self::write_header::{HeaderText, plain};
+pub(super) use self::write_header::{HeaderBand, HeaderText, plain};
 
 /// Order of the numbers in the file, slowest index first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -69,6 +69,20 @@ impl Header {
         self.field("file type").is_some_and(|t| t.eq_ignore_ascii_case(SPECTRAL_LIBRARY))
     }
 
+    /// Of each of `count` bands, or channels of a spectral library, whether it is good: `bbl`, the list of bad bands, has 0 for those that are not.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for another list.
+    pub(in crate::formats) fn good(&self, count: usize) -> Result<Vec<bool>> {
+        let Some(list) = self.field("bbl") else { return Ok(vec![true; count]) };
+        let flags: Option<Vec<bool>> =
+            list.split(',').map(|flag| Some(flag.trim().parse::<f64>().ok()? != 0.0)).collect();
+        flags.filter(|flags| flags.len() == count).ok_or_else(|| {
+            let message = format!("is not a list of {count} numbers, 0 or 1");
+            Error::invalid(Location::file(&self.path).with_item("bbl"), message)
+        })
+    }
+
     /// How the numbers of `count` bands, or channels of a spectral library, become values; none if they are the values. One gain or offset
     /// is for all of them.
     pub(in crate::formats) fn scales(&self, count: usize, problems: &mut Vec<Problem>) -> Vec<Scale> {
@@ -265,7 +279,7 @@ struct Field {
 }
 
 /// Keys that have a meaning here.
-pub(in crate::formats) const KEYS: [&str; 21] = [
+pub(in crate::formats) const KEYS: [&str; 22] = [
     "samples",
     "lines",
     "bands",
@@ -279,6 +293,7 @@ pub(in crate::formats) const KEYS: [&str; 21] = [
     "wavelength units",
     "fwhm",
     "fwhm units",
+    "bbl",
     "band names",
     "data units",
     "data ignore value",

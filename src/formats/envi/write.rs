@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::write_header::{HeaderText, plain};
+use super::write_header::{HeaderBand, HeaderText, plain};
 use super::{Interleave, Precision};
 use crate::error::{Error, Location, Result};
 use crate::formats::flat::{AxisOrder, Flat, FlatFile};
@@ -153,7 +153,12 @@ impl EnviCube {
         let size = [*samples, *lines, bands.len()];
         let mut text = HeaderText::of_image(Some(&self.description), size, self.precision.data_type(), self.interleave);
         text.field("data units", quantity.unit());
-        text.bands(bands.iter().map(|band| (Some(band.centre_um), band.fwhm_um, band.name.as_str())));
+        text.bands(bands.iter().map(|of| HeaderBand {
+            name: &of.name,
+            centre_um: Some(of.centre_um),
+            fwhm_um: of.fwhm_um,
+            is_bad: false,
+        }));
         if bands.len() >= 3 {
             text.list("default bands", quicklook::colour_bands(bands).map(|b| (b + 1).to_string()).into_iter());
         }
@@ -263,51 +268,74 @@ pub fn write_planes<'p>(
     precision: Precision,
     description: &str,
 ) -> Result<()> {
-    write_placed(path, size, planes, precision, (description, None))
+    write_placed(path, size, planes.map(|plane| (plane, None)), precision, (description, None))
 }
 
-/// The same of a map, whose header says where it lies (`map info`).
+/// Where a map lies, as its header says.
+#[derive(Debug, Clone)]
+pub struct MapPlace {
+    /// What ENVI calls `map info`.
+    pub map_info: String,
+    /// The coordinate system in well-known text, of the kind of ESRI.
+    pub coordinate_system: String,
+}
+
+/// The same of a map, in which the planes may be bands of a spectrum: centre and full width at half maximum of each that is one, um.
 ///
 /// # Errors
 /// As [`write_backplanes`].
 pub fn write_map<'p>(
     path: &Path,
     size: [usize; 2],
-    planes: impl ExactSizeIterator<Item = Cow<'p, Plane>>,
+    planes: impl ExactSizeIterator<Item = (Cow<'p, Plane>, Option<[Option<f64>; 2]>)>,
     precision: Precision,
-    (description, map_info): (&str, &str),
+    (description, place): (&str, &MapPlace),
 ) -> Result<()> {
-    write_placed(path, size, planes, precision, (description, Some(map_info)))
+    write_placed(path, size, planes, precision, (description, Some(place)))
 }
 
 fn write_placed<'p>(
     path: &Path,
     [samples, lines]: [usize; 2],
-    planes: impl ExactSizeIterator<Item = Cow<'p, Plane>>,
+    planes: impl ExactSizeIterator<Item = (Cow<'p, Plane>, Option<[Option<f64>; 2]>)>,
     precision: Precision,
-    (description, map_info): (&str, Option<&str>),
+    (description, place): (&str, Option<&MapPlace>),
 ) -> Result<()> {
     let writing = |e| Error::io(path, "writing", e);
     let bands = planes.len();
     let flat = Flat::new([lines, samples, bands], precision.data_type(), AxisOrder::BandRowColumn);
     let mut file = FlatFile::create(path, flat, &[]).map_err(writing)?;
-    let mut names = Vec::new();
-    for (band, plane) in planes.enumerate() {
+    let mut of_planes = Vec::new();
+    for (band, (plane, spectral)) in planes.enumerate() {
         if plane.values.len() != samples * lines {
             let message = format!("{} values for an image of {samples} x {lines}", plane.values.len());
             return Err(Error::invalid(Location::item(format!("backplane {}", plane.name)), message));
         }
         file.tile(0..lines, band..band + 1, &plane.values).map_err(writing)?;
-        names.push(match plane.unit.as_str() {
+        let name = match plane.unit.as_str() {
             "" | "1" => plain(&plane.name),
             unit => plain(&format!("{} ({unit})", plane.name)),
-        });
+        };
+        of_planes.push((name, spectral.unwrap_or_default()));
     }
     let size = [samples, lines, bands];
     let mut text = HeaderText::of_image(Some(description), size, precision.data_type(), Interleave::Bsq);
     text.field("data ignore value", "nan");
-    map_info.into_iter().for_each(|place| text.field("map info", format_args!("{{{place}}}")));
+    if let Some(MapPlace { map_info, coordinate_system }) = place {
+        text.field("map info", format_args!("{{{map_info}}}"));
+        text.field("coordinate system string", format_args!("{{{coordinate_system}}}"));
+    }
     // ENVI has one unit for a file; ours differ, so that a plane's name carries its own.
-    text.list("band names", names.into_iter());
+    text.bands(of_planes.iter().map(|(name, [centre_um, fwhm_um])| HeaderBand {
+        name,
+        centre_um: *centre_um,
+        fwhm_um: *fwhm_um,
+        is_bad: false,
+    }));
+    // Of planes the first is shown, and of a map its first band.
+    let first = of_planes.iter().position(|(_, [centre_um, _])| centre_um.is_some()).unwrap_or(0);
+    if !of_planes.is_empty() {
+        text.field("default bands", format_args!("{{{}}}", first + 1));
+    }
     text.write(&path.with_extension("hdr"))
 }

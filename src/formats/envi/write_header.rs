@@ -10,6 +10,16 @@ use crate::formats::number::DataType;
 /// A header that is being written, key by key.
 pub(in crate::formats) struct HeaderText(String);
 
+/// What a header says of a band; the name may be empty.
+#[derive(Debug, Clone, Copy, Default)]
+pub(in crate::formats) struct HeaderBand<'a> {
+    pub(in crate::formats) name: &'a str,
+    pub(in crate::formats) centre_um: Option<f64>,
+    /// Full width at half maximum.
+    pub(in crate::formats) fwhm_um: Option<f64>,
+    pub(in crate::formats) is_bad: bool,
+}
+
 /// The file type of an image.
 const STANDARD: &str = "ENVI Standard";
 
@@ -59,24 +69,26 @@ impl HeaderText {
         self.field(key, format_args!("{{\n {}}}", rows.join(",\n ")));
     }
 
-    /// What is known of bands: centre and full width at half maximum, um, where all have a centre, and name; may be empty.
-    pub(in crate::formats) fn bands<'a>(
-        &mut self,
-        bands: impl Iterator<Item = (Option<f64>, Option<f64>, &'a str)> + Clone,
-    ) {
-        if let Some(centres_um) = bands.clone().map(|band| band.0).collect::<Option<Vec<f64>>>() {
+    /// What is known of bands. Those without a centre among others that have one are no part of the spectrum, and so bad.
+    pub(in crate::formats) fn bands<'a>(&mut self, bands: impl Iterator<Item = HeaderBand<'a>> + Clone) {
+        let is_spectral = bands.clone().any(|band| band.centre_um.is_some());
+        if is_spectral {
             self.field("wavelength units", "Micrometers");
-            self.list("wavelength", centres_um.iter().map(f64::to_string));
-            if bands.clone().any(|band| band.1.is_some()) {
-                self.list("fwhm", bands.clone().map(|band| band.1.unwrap_or(0.0).to_string()));
+            self.list("wavelength", bands.clone().map(|band| band.centre_um.unwrap_or(0.0).to_string()));
+            if bands.clone().any(|band| band.fwhm_um.is_some()) {
+                self.list("fwhm", bands.clone().map(|band| band.fwhm_um.unwrap_or(0.0).to_string()));
             }
         }
-        if bands.clone().any(|band| !band.2.is_empty()) {
+        let is_bad = |band: &HeaderBand| band.is_bad || (is_spectral && band.centre_um.is_none());
+        if bands.clone().any(|band| is_bad(&band)) {
+            self.list("bbl", bands.clone().map(|band| u8::from(!is_bad(&band)).to_string()));
+        }
+        if bands.clone().any(|band| !band.name.is_empty()) {
             let name = |(i, name): (usize, &str)| match plain(name) {
                 name if name.is_empty() => format!("band {}", i + 1),
                 name => name,
             };
-            self.list("band names", bands.map(|band| band.2).enumerate().map(name));
+            self.list("band names", bands.map(|band| band.name).enumerate().map(name));
         }
     }
 

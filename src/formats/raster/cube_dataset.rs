@@ -109,6 +109,10 @@ pub(super) fn of_cube<'a>(
         let all: Vec<&str> = bands.iter().map(|band| band.name.as_str()).collect();
         attributes.push(("band_names", Value::Text(all.join(", "))));
     }
+    let bad: Vec<String> = (1..).zip(bands).filter(|(_, band)| band.is_bad).map(|(i, _)| i.to_string()).collect();
+    if !bad.is_empty() {
+        attributes.push(("bad_bands", Value::Text(bad.join(", "))));
+    }
     let no_data = if data_type.is_integer() { notes.no_data } else { Some(f64::NAN) };
     attributes.extend(no_data.map(|number| ("_FillValue", Value::Sample(number))));
     let cube_axes = vec![BAND, LINE, SAMPLE];

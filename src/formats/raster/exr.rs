@@ -173,6 +173,7 @@ pub(super) fn open(path: &Path) -> Result<Raster> {
                 name: text,
                 centre_um: wavelength.map(|w| w.centre_um),
                 fwhm_um: wavelength.and_then(|w| w.width_um.or_else(|| *widths_um.get(index)?)),
+                is_bad: false,
             };
             found.push((band, Channel { part, index, sample: channel.sample_type }));
         }

@@ -97,7 +97,12 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
         _ => centres_um,
     };
     let fwhms_um = header.fwhm_um(&centres_um, &mut report).unwrap_or_default();
-    if let Some(i) = centres_um.iter().position(|um| !(*um > 0.0 && um.is_finite())) {
+    let good = header.good(header.bands)?;
+    // A band that is no part of the spectrum has none.
+    let is_known = |i: usize| good[i] || centres_um[i] != 0.0;
+    if let Some(i) =
+        (0..centres_um.len()).position(|i| is_known(i) && !(centres_um[i] > 0.0 && centres_um[i].is_finite()))
+    {
         problems.push(Problem::new(at("wavelength"), format!("that of band {} is not positive", i + 1)));
     }
     let scale = header.scales(header.bands, &mut problems);
@@ -119,8 +124,9 @@ pub(super) fn open_envi(path: &Path) -> Result<Raster> {
     }
     let band = |i: usize| RasterBand {
         name: header.band_names.get(i).cloned().unwrap_or_default(),
-        centre_um: centres_um.get(i).copied(),
+        centre_um: centres_um.get(i).copied().filter(|_| is_known(i)),
         fwhm_um: fwhms_um.get(i).copied().filter(|um| *um > 0.0),
+        is_bad: !good[i],
     };
     let data_type = if scale.is_empty() { header.data_type } else { DataType::F64 };
     let (georeference, mirrored) = Georeference::of_envi(&header, (at("map info"), &mut report)).unzip();

@@ -23,6 +23,7 @@ pub(super) mod netcdf;
 pub(super) mod npy;
 pub(super) mod pds3;
 pub(super) mod pds4;
+mod pds4_label;
 pub(super) mod picture;
 mod place;
 pub(super) mod pnm;
@@ -48,6 +49,7 @@ pub use self::compare::{differences, statistics};
 pub(super) use self::cube_dataset::CubeNotes;
 pub(super) use self::lengths::metres;
 pub(crate) use self::names::{bare_number, colour};
+pub(super) use self::pds4_label::write as write_pds4_label;
 pub(crate) use self::place::Georeference;
 pub(super) use self::write::write_cube;
 pub use self::write::{Options, Target, write};
@@ -137,6 +139,8 @@ pub struct RasterBand {
     pub centre_um: Option<f64>,
     /// Full width at half maximum, um.
     pub fwhm_um: Option<f64>,
+    /// Whether the file says that it is not to be used.
+    pub is_bad: bool,
 }
 
 /// How bands are read.

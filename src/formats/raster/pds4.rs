@@ -11,6 +11,7 @@ use crate::formats::flat::{AxisOrder, Flat};
 use crate::formats::format::{Format, Holds, ending};
 use crate::formats::input;
 use crate::formats::number::DataType;
+use crate::formats::wave_unit::WaveUnit;
 use crate::formats::xml::{self, Element};
 use crate::report::{Fate, Report};
 
@@ -116,6 +117,7 @@ fn open(path: &Path) -> Result<Raster> {
     // Other objects of the label may share the file.
     check_length(&data, &flat, None, &label_path)?;
     let special = special(array, data_type, &mut report);
+    let of_bands = band_bins(array, bands, &mut report)?;
     let scale_of = |name: &str, default: f64| child(element, name).map_or(Ok(default), number);
     let (gain, offset) = (scale_of("scaling_factor", 1.0)?, scale_of("value_offset", 0.0)?);
     let is_scaled = gain != 1.0 || offset != 0.0;
@@ -135,7 +137,7 @@ fn open(path: &Path) -> Result<Raster> {
         ..Raster::of(
             &data,
             (rows, columns),
-            vec![RasterBand::default(); bands],
+            of_bands,
             if is_scaled { DataType::F64 } else { data_type },
             BandReader::Flat(flat),
         )
@@ -167,6 +169,28 @@ fn axes(array: &Element) -> Result<([usize; 3], AxisOrder)> {
             Err(Error::Unsupported { at: array.at(), feature })
         }
     }
+}
+
+/// What the label says of each band.
+fn band_bins(array: &Element, count: usize, report: &mut Report) -> Result<Vec<RasterBand>> {
+    let mut bands = vec![RasterBand::default(); count];
+    let Some(set) = within(array, &|name| name == "Band_Bin_Set") else { return Ok(bands) };
+    for bin in set.children.iter().filter(|e| local(e) == "Band_Bin") {
+        let band_number: usize = number(needed(bin, "band_number")?)?;
+        let Some(band) = band_number.checked_sub(1).and_then(|i| bands.get_mut(i)) else {
+            let message = format!("of band {band_number}: there are {count}");
+            report.note(Fate::Dropped, bin.at(), message);
+            continue;
+        };
+        let um = |name: &str| -> Result<Option<f64>> {
+            let Some(of) = child(bin, name) else { return Ok(None) };
+            let unit = of.get("unit").and_then(WaveUnit::of).unwrap_or(WaveUnit::MICROMETRES);
+            let value: f64 = number(of)?;
+            Ok(unit.um(value).filter(|um| *um > 0.0 && um.is_finite()))
+        };
+        (band.centre_um, band.fwhm_um) = (um("center_wavelength")?, um("band_width")?);
+    }
+    Ok(bands)
 }
 
 /// How a number is stored, and whether its first byte counts most.

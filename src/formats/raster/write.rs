@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::container::Container;
 use crate::formats::dataset::Value;
-use crate::formats::envi::{self, HeaderText, Interleave};
+use crate::formats::envi::{self, HeaderBand, HeaderText, Interleave};
 use crate::formats::folder::{FolderKind, Staged};
 use crate::formats::number::DataType;
 use crate::formats::{exr_cube, ilwis, npy};
@@ -430,7 +430,12 @@ fn envi_header(
     if let Some(unit) = &raster.unit {
         text.field("data units", envi::plain(unit));
     }
-    text.bands(bands.iter().map(|band| (band.centre_um, band.fwhm_um, band.name.as_str())));
+    text.bands(bands.iter().map(|RasterBand { name, centre_um, fwhm_um, is_bad }| HeaderBand {
+        name,
+        centre_um: *centre_um,
+        fwhm_um: *fwhm_um,
+        is_bad: *is_bad,
+    }));
     if all_bands {
         raster.extra.iter().for_each(|(key, value)| text.field(key, format_args!("{{{value}}}")));
     }

@@ -72,6 +72,21 @@ struct Codecs {
     has_checksum: bool,
 }
 
+impl Codecs {
+    /// What a checksum is of, if there is one, and it is right.
+    fn checked(self, bytes: &[u8]) -> std::result::Result<&[u8], &'static str> {
+        if !self.has_checksum {
+            return Ok(bytes);
+        }
+        let (bytes, sum) = bytes.split_last_chunk::<4>().ok_or("it has no checksum")?;
+        if crc32c::crc32c(bytes) == u32::from_le_bytes(*sum) {
+            Ok(bytes)
+        } else {
+            Err("its checksum is that of other bytes")
+        }
+    }
+}
+
 /// How a chunk holds smaller ones.
 #[derive(Debug, Clone)]
 struct Shard {
@@ -368,8 +383,10 @@ impl Stored {
         let start = if shard.index_first { Some(0) } else { there.checked_sub(length) };
         let start =
             start.filter(|start| start + length <= there).ok_or_else(|| broken("it ends before its list of chunks"))?;
-        let mut index = vec![0; 16 * count];
+        #[expect(clippy::cast_possible_truncation, reason = "16 times less than 2^26, and 4")]
+        let mut index = vec![0; length as usize];
         file.seek(SeekFrom::Start(start)).and_then(|_| file.read_exact(&mut index)).map_err(reading)?;
+        let index = shard.index.checked(&index).map_err(|what| broken(&format!("its list of chunks: {what}")))?;
         let number = |i: usize| {
             let bytes = std::array::from_fn(|k| index[8 * i + k]);
             if shard.index.big_endian { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) }
@@ -413,10 +430,7 @@ impl Stored {
         values: &mut [f64],
     ) -> Result<()> {
         let broken = |what: &str| Error::syntax(Location::file(path), format!("not a complete chunk of Zarr: {what}"));
-        let bytes = match codecs.has_checksum {
-            true => bytes.len().checked_sub(4).map(|end| &bytes[..end]).ok_or_else(|| broken("it has no checksum"))?,
-            false => bytes,
-        };
+        let bytes = codecs.checked(bytes).map_err(broken)?;
         let wanted = shape.iter().product::<usize>() * self.data_type.bytes();
         let mut unpacked = Vec::new();
         let bytes = if codecs.is_gzip {
