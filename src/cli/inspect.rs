@@ -16,7 +16,7 @@ use mmxrt::formats::report_json::{self, FORMAT_VERSION, InstrumentReport, Produc
 use mmxrt::formats::spectrum_csv::{self, Quantity};
 use mmxrt::formats::{
     envi, ephemeris, exposures_csv, exr_cube, flight_doubts, npz, pixel, product_folder, radiance_map, recipe_toml,
-    registry, spice,
+    registry, spectra, spice,
 };
 use mmxrt::geometry::Defects;
 use mmxrt::job::{self, CurveSheet, FlightFacts, PartFacts, SurfaceFacts, Survey};
@@ -46,10 +46,10 @@ pub(crate) struct Arguments {
     /// A wavelength, um, of the material; may be repeated. Default: first, middle and last band
     #[arg(long, value_name = "UM", requires = "material")]
     um: Vec<f64>,
-    /// Write the spectrum of the pixel, or of the Sun, or the phase curve of the material, as a table
+    /// Write spectra (of a file, of the pixel, of the Sun) or the phase curve of the material, as a table
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Write a picture of an image (.png: grey, or three bands in colour), or of the spectrum of a pixel or of the Sun, or the phase curve of a material (.svg), or of an orbit or attitude (.svg or .png), or of a mesh from four sides (.png; inner sides are red)
+    /// Write a picture of an image (.png: grey, or three bands in colour), or of spectra (of a file, of a pixel, of the Sun) or the phase curve of a material (.svg), or of an orbit or attitude (.svg or .png), or of a mesh from four sides (.png; inner sides are red)
     #[arg(long, value_name = "OUT")]
     picture: Option<PathBuf>,
     /// The band to show, counted from 1; given three times, those for red, green and blue
@@ -98,8 +98,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             format!("is not a scene file, of which --set {first} could replace an item"),
         ));
     }
-    if arguments.csv.is_some() {
-        let message = "has no single spectrum to write: use --csv with --pixel, or with `e490`";
+    let is_spectral = || registry::of_input(path).is_ok_and(|(format, _)| format.is_spectral());
+    if arguments.csv.is_some() && !is_spectral() {
+        let message = "has no spectra to write: use --csv with --pixel, with a file of spectra, or with `e490`";
         return Err(Error::invalid(Location::file(path), message));
     }
     // A kernel of shapes is a mesh.
@@ -136,9 +137,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             }
             facts
         }
+        Some(format) if format.is_spectral() && (arguments.picture.is_some() || arguments.csv.is_some()) => {
+            let facts = inspect(path, found, console)?;
+            for target in arguments.csv.iter().chain(&arguments.picture) {
+                super::settle(target, console)?;
+            }
+            let sheet = CurveSheet::of_spectra(path, &spectra::read(path)?.0);
+            sheet.write(arguments.csv.as_deref(), arguments.picture.as_deref(), arguments.force)?;
+            facts
+        }
         _ if arguments.picture.is_some() => {
             let problem = Problem::new(Location::file(path), "is not an image, so no picture can be made of it");
-            let help = "pictures are made of images, meshes, orbits and attitudes (also kernels); of a product folder its cube";
+            let help = "pictures are made of images, meshes, spectra, orbits and attitudes (also kernels); of a product folder its cube";
             return Err(Error::Invalid(vec![problem.with_help(help)]));
         }
         _ if is_campaign(path)? => campaign(path, console)?,
@@ -153,7 +163,7 @@ fn tell(facts: Facts, arguments: &Arguments, console: &Console) -> Result<Outcom
     let text = facts.iter().map(|(name, value)| line(name, value)).collect::<String>();
     let json: serde_json::Map<String, Value> =
         facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    match &arguments.picture {
+    match arguments.picture.as_ref().or(arguments.csv.as_ref()) {
         Some(_) => console.done(&text, &Value::Object(json)),
         None => console.result(&text, &Value::Object(json))?,
     }

@@ -8,28 +8,54 @@ const SIZE: [f64; 2] = [720.0, 440.0];
 const MARGIN: [f64; 4] = [84.0, 60.0, 20.0, 52.0];
 /// Width of a letter, on average, px.
 const LETTER: f64 = 7.0;
-/// Lines of the curves; their widths distinguish them even without colour.
-const STROKES: [(&str, f64); 3] = [("#1b3a5c", 2.0), ("#b8860b", 1.4), ("#b22222", 1.0)];
+/// Lines of the curves, in turn; their widths distinguish neighbours even without colour.
+const STROKES: [(&str, f64); 6] =
+    [("#1b3a5c", 2.0), ("#b8860b", 1.4), ("#b22222", 1.0), ("#2e7d5b", 1.8), ("#6a4c93", 1.2), ("#7a7a7a", 1.6)];
+/// So many curves are named one by one.
+const NAMED: usize = 12;
+/// From one line of names to the next, px.
+const LINE: f64 = 18.0;
 
-/// Draws curves: `x` and, for each, its name and values. What is not finite leaves a gap.
+/// A curve to draw; what is not finite leaves a gap.
+#[derive(Debug, Clone, Copy)]
+pub struct Curve<'a> {
+    /// Name; without one it is not named.
+    pub name: &'a str,
+    /// Where.
+    pub x: &'a [f64],
+    /// How much.
+    pub values: &'a [f64],
+}
+
+/// Draws curves over the same places: a name and values for each.
 pub fn draw(title: &str, x_label: &str, y_label: &str, x: &[f64], curves: &[(&str, Vec<f64>)]) -> String {
-    let (x_low, x_high) = range(x.iter().copied());
+    let curves: Vec<Curve> = curves.iter().map(|(name, values)| Curve { name, x, values }).collect();
+    draw_each(title, x_label, y_label, &curves)
+}
+
+/// Draws curves, each over places of its own.
+pub fn draw_each(title: &str, x_label: &str, y_label: &str, curves: &[Curve<'_>]) -> String {
+    let (x_low, x_high) = range(curves.iter().flat_map(|curve| curve.x.iter().copied()));
     // From 0: a spectrum's height is part of what it says.
-    let (low, high) = range(curves.iter().flat_map(|c| c.1.iter().copied()).chain([0.0]));
+    let (low, high) = range(curves.iter().flat_map(|curve| curve.values.iter().copied()).chain([0.0]));
     let [left, top, right, bottom] = MARGIN;
-    let (width, height) = (SIZE[0] - left - right, SIZE[1] - top - bottom);
+    let (names, lines) = placed_names(curves);
+    // What the names take more than a line is added, so that the plot stays as large.
+    let top = top + LINE * (lines - 1.0);
+    let size = [SIZE[0], SIZE[1] + LINE * (lines - 1.0)];
+    let (width, height) = (size[0] - left - right, size[1] - top - bottom);
     let px = |v: f64| left + (v - x_low) / (x_high - x_low) * width;
     let py = |v: f64| top + (high - v) / (high - low) * height;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"13\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-        SIZE[0], SIZE[1]
+        size[0], size[1]
     );
     let text = |svg: &mut String, x: f64, y: f64, anchor: &str, said: &str| {
         let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{}</text>", escaped(said));
     };
     text(&mut svg, left, 24.0, "start", title);
-    text(&mut svg, left + 0.5 * width, SIZE[1] - 12.0, "middle", x_label);
+    text(&mut svg, left + 0.5 * width, size[1] - 12.0, "middle", x_label);
     let _ = writeln!(
         svg,
         "<text transform=\"translate(18 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
@@ -44,13 +70,11 @@ pub fn draw(title: &str, x_label: &str, y_label: &str, x: &[f64], curves: &[(&st
         let _ = writeln!(svg, "<path d=\"M{left} {0:.1} H{1:.1}\" stroke=\"#ddd\"/>", py(tick.0), left + width);
         text(&mut svg, left - 8.0, py(tick.0) + 4.0, "end", &tick.1);
     }
-    // Names stand above the plot, where no curve goes.
-    let (mut name_x, name_y) = (left, 46.0);
-    for (i, (name, values)) in curves.iter().enumerate() {
+    for (i, Curve { x, values, .. }) in curves.iter().enumerate() {
         let (colour, stroke) = STROKES[i % STROKES.len()];
         let mut path = String::new();
         let mut is_down = false;
-        for (x, y) in x.iter().zip(values) {
+        for (x, y) in x.iter().zip(*values) {
             if x.is_finite() && y.is_finite() {
                 let _ = write!(path, "{}{:.2} {:.2} ", if is_down { 'L' } else { 'M' }, px(*x), py(*y));
             }
@@ -61,16 +85,48 @@ pub fn draw(title: &str, x_label: &str, y_label: &str, x: &[f64], curves: &[(&st
             "<path d=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{stroke}\" stroke-linecap=\"round\"/>",
             path.trim_end()
         );
-        let _ = writeln!(
-            svg,
-            "<path d=\"M{name_x:.1} {:.1} h24\" stroke=\"{colour}\" stroke-width=\"{stroke}\"/>",
-            name_y - 4.0
-        );
-        text(&mut svg, name_x + 30.0, name_y, "start", name);
-        name_x += 60.0 + LETTER * name.chars().count() as f64;
+    }
+    for Name { of, text: name, x, y } in names {
+        if let Some((colour, stroke)) = of.map(|i| STROKES[i % STROKES.len()]) {
+            let _ =
+                writeln!(svg, "<path d=\"M{x:.1} {:.1} h24\" stroke=\"{colour}\" stroke-width=\"{stroke}\"/>", y - 4.0);
+        }
+        text(&mut svg, x + 30.0, y, "start", &name);
     }
     svg.push_str("</svg>\n");
     svg
+}
+
+/// A name above the plot, where no curve goes.
+struct Name {
+    /// The curve that it is of.
+    of: Option<usize>,
+    text: String,
+    x: f64,
+    y: f64,
+}
+
+/// The curves' names where they stand, in as many lines as they need, and how many these are.
+fn placed_names(curves: &[Curve<'_>]) -> (Vec<Name>, f64) {
+    let named = curves.iter().enumerate().filter(|(_, curve)| !curve.name.is_empty());
+    let mut names: Vec<(Option<usize>, String)> = named.map(|(i, curve)| (Some(i), curve.name.to_owned())).collect();
+    if names.len() > NAMED {
+        let more = names.len() - NAMED;
+        names.truncate(NAMED);
+        names.push((None, format!("and {more} more")));
+    }
+    let (mut x, mut y, mut lines) = (MARGIN[0], 46.0, 1.0);
+    let place = |(of, text): (Option<usize>, String)| {
+        let width = 60.0 + LETTER * text.chars().count() as f64;
+        if x > MARGIN[0] && x + width > SIZE[0] {
+            (x, y, lines) = (MARGIN[0], y + LINE, lines + 1.0);
+        }
+        let name = Name { of, text, x, y };
+        x += width;
+        name
+    };
+    let names = names.into_iter().map(place).collect();
+    (names, lines)
 }
 
 /// Least and greatest finite value; apart, so that a single value has an axis too.
@@ -126,5 +182,17 @@ mod tests {
         // One band, and a dark pixel, are curves too.
         assert!(!draw("", "", "", &[1.0], &[("one", vec![0.0])]).contains("NaN"));
         assert!(!draw("", "", "", &[f64::NAN], &[("one", vec![f64::NAN])]).contains("NaN"));
+    }
+    #[test]
+    fn many_curves_are_named_in_lines_and_in_the_end_counted() {
+        let name = |i: usize| format!("a curve with a name, number {i}");
+        let names: Vec<String> = (0..20).map(name).collect();
+        let x = [1.0, 2.0];
+        let curves: Vec<Curve> = names.iter().map(|name| Curve { name, x: &x, values: &[1.0, 2.0] }).collect();
+        let svg = draw_each("", "", "", &curves);
+        assert!(svg.contains(&name(11)) && !svg.contains(&name(12)) && svg.contains("and 8 more"));
+        // 60 px and 28 letters of 7 px are 256 px: two fit beside each other, the last is alone.
+        assert!(svg.contains(&format!("viewBox=\"0 0 720 {}\"", 440 + 6 * 18)), "{svg}");
+        assert_eq!(svg.matches("stroke-linecap").count(), 20);
     }
 }

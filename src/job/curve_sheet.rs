@@ -1,12 +1,13 @@
-//! Curves to look at, as a table and as a drawing: the spectrum of a pixel or of the Sun, the phase curve of a surface.
+//! Curves to look at, as a table and as a drawing: spectra of a pixel, of the Sun, or of a file, the phase curve of a surface.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Location, Result};
 use crate::formats::folder::Staged;
 use crate::formats::pixel::PixelValues;
-use crate::formats::{product_folder, spectrum_svg};
-use crate::spectral::solar_e490;
+use crate::formats::product_folder;
+use crate::formats::spectrum_svg::{self, Curve};
+use crate::spectral::{Column, SpectralLibrary, solar_e490};
 use crate::study::PhaseCurve;
 
 /// Of the Sun's spectrum what lies beyond, um, is too dim to be seen in a drawing.
@@ -40,6 +41,31 @@ impl CurveSheet {
         let shown = um.partition_point(|um| *um <= DRAWN_TO_UM);
         let curves = [("E490", irradiance[..shown].to_vec())];
         let svg = spectrum_svg::draw("The Sun at 1 au, ASTM E490-00a", "um", "W m-2 um-1", &um[..shown], &curves);
+        CurveSheet { csv, svg, folder: None }
+    }
+
+    /// Of the spectra in a file, each over its own wavelengths.
+    pub fn of_spectra(file: &Path, spectra: &[SpectralLibrary]) -> Self {
+        let columns = || spectra.iter().flat_map(|library| library.columns.iter().map(move |column| (library, column)));
+        let name = |(library, column): (&SpectralLibrary, &Column)| match library.columns.len() {
+            _ if library.name.is_empty() => column.name.clone(),
+            1 => library.name.clone(),
+            _ => format!("{}, {}", library.name, column.name),
+        };
+        let names: Vec<String> = columns().map(name).collect();
+        let mut csv = String::from("spectrum,wavelength_um,value\n");
+        for ((library, column), name) in columns().zip(&names) {
+            // A name is one cell, whatever it has in it.
+            let cell = format!("\"{}\"", name.replace('"', "\"\""));
+            library.wavelength_um.iter().zip(&column.values).for_each(|(um, value)| {
+                csv.push_str(&format!("{cell},{um},{value}\n"));
+            });
+        }
+        let curves: Vec<Curve> = columns()
+            .zip(&names)
+            .map(|((library, column), name)| Curve { name, x: &library.wavelength_um, values: &column.values })
+            .collect();
+        let svg = spectrum_svg::draw_each(&file.display().to_string(), "um", "value", &curves);
         CurveSheet { csv, svg, folder: None }
     }
 

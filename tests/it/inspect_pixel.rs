@@ -145,3 +145,32 @@ fn the_built_in_sun_can_be_had() {
     let (code, text, err) = run(&["inspect", &csv]);
     assert!(code == 0 && text.contains("W m-2 um-1"), "{text} {err}");
 }
+
+/// Spectra of a file are drawn in one plot, each over its own wavelengths, and written as a long table.
+#[test]
+fn spectra_of_a_file_are_drawn() {
+    let scratch = Scratch::new();
+    scratch.write("two.csv", "wavelength_um,ice,\"dust, dark\"\n1,0.0,0.1\n2,0.4,0.1\n3,0.2,0.1\n");
+    let (file, svg, csv) = (scratch.argument("two.csv"), scratch.argument("two.svg"), scratch.argument("long.csv"));
+    let (code, _, err) = run(&["inspect", &file, "--picture", &svg, "--csv", &csv]);
+    assert_eq!(code, 0, "{err}");
+    let drawn = std::fs::read_to_string(&svg).unwrap();
+    // The plot is from 84 to 700 px and from 388 up to 60: 0.4 is its top, 0.1 a quarter of its height.
+    assert!(drawn.contains("M84.00 388.00 L392.00 60.00 L700.00 224.00"), "{drawn}");
+    assert!(drawn.contains("M84.00 306.00 L392.00 306.00 L700.00 306.00"), "{drawn}");
+    assert!(drawn.contains(">ice<") && drawn.contains("dust"), "{drawn}");
+    let table = std::fs::read_to_string(&csv).unwrap();
+    assert_eq!(table.lines().count(), 1 + 6, "{table}");
+    assert!(table.starts_with("spectrum,wavelength_um,value\n\"ice\",1,0\n\"ice\",2,0.4\n"), "{table}");
+    // A library of ENVI holds the same.
+    let library = scratch.argument("two.sli");
+    assert_eq!(run(&["convert", &file, &library, "--quiet"]).0, 0);
+    let (code, _, err) = run(&["inspect", &library, "--picture", &svg, "--force", "--quiet"]);
+    assert_eq!(code, 0, "{err}");
+    let again = std::fs::read_to_string(&svg).unwrap();
+    assert!(again.contains("M84.00 306.00 L392.00 306.00 L700.00 306.00"), "{again}");
+    let (code, _, err) = run(&["inspect", &library, "--picture", &svg, "--quiet"]);
+    assert!(code == 1 && err.contains("exists"), "{err}");
+    let (code, _, err) = run(&["inspect", &file, "--picture", &scratch.argument("two.png"), "--quiet"]);
+    assert!(code == 1 && err.contains(".svg"), "{err}");
+}
