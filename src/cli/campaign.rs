@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle_input(&arguments.campaign, console)?;
-    let mut campaign = Campaign::open_with(&arguments.campaign, &arguments.reading.reading()?, &watch)?;
+    let mut campaign = Campaign::open_with(&arguments.campaign, &arguments.reading.reading(console)?, &watch)?;
     let folder = folder(arguments, &campaign)?;
     let order = Order { folder: &folder, shard: arguments.shard, coverage_only: arguments.coverage_only };
     // Time per acquisition is counted from the end of the one before.

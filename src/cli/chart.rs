@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     super::settle_input(scene, console)?;
     super::settle(&arguments.output, console)?;
     let folder = ChartFolder::stage(&arguments.output, arguments.force)?;
-    let subject = Subject::open_with(scene, &arguments.reading.reading()?, &watch)?;
+    let subject = Subject::open_with(scene, &arguments.reading.reading(console)?, &watch)?;
     subject.one_moment().iter().for_each(|said| console.note(&format!("warning: {said}")));
     let threads = rayon::current_num_threads();
     let timed = format!("CPU times of this machine, {threads} {}.", if threads == 1 { "thread" } else { "threads" });

@@ -152,7 +152,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             return Err(Error::Invalid(vec![problem.with_help(help)]));
         }
         _ if is_campaign(path)? => campaign(path, console)?,
-        _ if is_scene(path)? => return super::dry_run::run(path, &arguments.reading.reading()?, console),
+        _ if is_scene(path)? => return super::dry_run::run(path, &arguments.reading.reading(console)?, console),
         _ => inspect(path, found, console)?,
     };
     tell(facts, arguments, console)

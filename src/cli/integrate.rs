@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
         super::settle_input(input, console)?;
     }
     let folder = arguments.product.stage(false, false, console)?;
-    let subject = arguments.scene.open(&watch)?;
+    let subject = arguments.scene.open(console)?;
     let radiance = Radiance {
         table: arguments.table.clone(),
         maps,

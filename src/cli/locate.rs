@@ -102,7 +102,7 @@ fn point(text: &str) -> std::result::Result<DVec3, String> {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle_input(&arguments.scene, console)?;
-    let reading = &arguments.reading.reading()?;
+    let reading = &arguments.reading.reading(console)?;
     let of = SceneOf { file: &arguments.scene, acquisition: arguments.acquisition.as_deref(), reading };
     let band = arguments.band.map(|band| band as usize - 1);
     if let Some(known) = &arguments.knowledge {

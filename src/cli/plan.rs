@@ -48,8 +48,12 @@ impl RequestArguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
-    let (outlook, plan) =
-        job::plan(&arguments.scene.scene, &arguments.scene.reading.reading()?, &arguments.request.request(), &watch)?;
+    let (outlook, plan) = job::plan(
+        &arguments.scene.scene,
+        &arguments.scene.reading.reading(console)?,
+        &arguments.request.request(),
+        &watch,
+    )?;
     let json = json!({
         "plan": plan,
         "expects": {

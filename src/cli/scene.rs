@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use mmxrt::Result;
 use mmxrt::formats::{Cache, Reading, Setting, Subject};
-use mmxrt::progress::Watch;
+
+use super::console::Console;
 
 #[derive(clap::Args)]
 pub(crate) struct SceneArguments {
@@ -26,15 +27,20 @@ pub(crate) struct ReadingArguments {
 
 impl ReadingArguments {
     /// How the scene is read.
-    pub(super) fn reading(&self) -> Result<Reading> {
+    pub(super) fn reading(&self, console: &Console) -> Result<Reading> {
         let cache = self.cache.as_deref().map(Cache::open).transpose()?;
+        if let (Some(folder), Some(false)) = (&self.cache, cache.as_ref().map(Cache::is_writable)) {
+            let folder = folder.display();
+            console
+                .note(&format!("warning: {folder} cannot be written to: what is in it is used, and nothing is added"));
+        }
         Ok(Reading { settings: self.set.clone(), cache })
     }
 }
 
 impl SceneArguments {
     /// Reads it, to be simulated.
-    pub(super) fn open(&self, watch: Watch<'_>) -> Result<Subject> {
-        Subject::open_with(&self.scene, &self.reading.reading()?, watch)
+    pub(super) fn open(&self, console: &Console) -> Result<Subject> {
+        Subject::open_with(&self.scene, &self.reading.reading(console)?, &|progress| console.watch(progress))
     }
 }

@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let watch = |progress| console.watch(progress);
     super::settle_input(&arguments.scene.scene, console)?;
     let folder = arguments.product.stage(arguments.table, arguments.split, console)?;
-    let mut subject = arguments.scene.open(&watch)?;
+    let mut subject = arguments.scene.open(console)?;
     if arguments.ideal {
         subject.chain = None;
     }

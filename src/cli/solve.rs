@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     super::settle(&arguments.output, console)?;
     super::settle_input(&arguments.scene.scene, console)?;
     let files = TableFiles::stage(&arguments.output, arguments.radiance, arguments.force)?;
-    let mut subject = arguments.scene.open(&watch)?;
+    let mut subject = arguments.scene.open(console)?;
     product::say_defaults(&subject, console);
     let tell = |warnings: &[String]| warnings.iter().for_each(|warning| console.note(&format!("warning: {warning}")));
     tell(&subject.warnings);

@@ -236,3 +236,16 @@ fn a_place_that_can_hold_none_is_an_error() {
         assert!(err.contains(says), "{err}");
     }
 }
+
+/// A folder of the system, in which nobody makes files.
+#[cfg(target_os = "linux")]
+#[test]
+fn one_that_cannot_be_written_to_is_told_and_read() {
+    let scratch = scratch();
+    let (truth, _) = product(&scratch, false);
+    let (scene, out) = (scratch.argument("scene.toml"), scratch.argument("out"));
+    let arguments = ["simulate", &scene, "-o", &out, "--force", "--model", "sunlight,heat", "--cache", "/proc/self/task"];
+    let (code, _, err) = run(&arguments);
+    assert!(code == 0 && err.contains("nothing is added"), "{err}");
+    assert!(files(&scratch.join("out")) == truth);
+}

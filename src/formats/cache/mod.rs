@@ -28,6 +28,7 @@ const PARTIAL: &str = "partial";
 #[derive(Debug, Clone)]
 pub struct Cache {
     folder: PathBuf,
+    is_writable: bool,
 }
 
 /// What can be kept.
@@ -80,7 +81,15 @@ impl Cache {
                 let _ = fs::remove_file(&path);
             }
         }
-        Ok(Cache { folder: folder.to_owned() })
+        let probe = folder.join(format!("probe.{}.{PARTIAL}", std::process::id()));
+        let is_writable = File::create_new(&probe).is_ok();
+        let _ = fs::remove_file(&probe);
+        Ok(Cache { folder: folder.to_owned(), is_writable })
+    }
+
+    /// Whether what is made is kept: one that others have filled may be there to read.
+    pub fn is_writable(&self) -> bool {
+        self.is_writable
     }
 
     /// What is kept under a key, if `unpacked` makes sense of it, or what is made now, and kept from now on.
@@ -97,7 +106,7 @@ impl Cache {
             return Ok(kept);
         }
         let made = make()?;
-        if let Some(packed) = made.packed() {
+        if let Some(packed) = made.packed().filter(|_| self.is_writable) {
             // It is as good without: a full disk must not end a long campaign.
             if let Err(error) = self.put(&path, &name, &packed) {
                 tracing::warn!("{} is not kept: {error}", path.display());
