@@ -244,7 +244,8 @@ fn one_that_cannot_be_written_to_is_told_and_read() {
     let scratch = scratch();
     let (truth, _) = product(&scratch, false);
     let (scene, out) = (scratch.argument("scene.toml"), scratch.argument("out"));
-    let arguments = ["simulate", &scene, "-o", &out, "--force", "--model", "sunlight,heat", "--cache", "/proc/self/task"];
+    let arguments =
+        ["simulate", &scene, "-o", &out, "--force", "--model", "sunlight,heat", "--cache", "/proc/self/task"];
     let (code, _, err) = run(&arguments);
     assert!(code == 0 && err.contains("nothing is added"), "{err}");
     assert!(files(&scratch.join("out")) == truth);

@@ -53,7 +53,8 @@ impl Kept for MeshFile {
     }
 }
 
-fn unpacked(mut packed: Packed) -> Option<MeshFile> {
+/// An entry's mesh file, whose own file is as it is now, if all others that it names are as they were.
+fn unpacked(mut packed: Packed, file: &InputFile) -> Option<MeshFile> {
     let Text { materials, origin_m, sun, up, unit_m, ignored, report, doubts, inputs } = packed.text()?;
     let mesh = mesh::take(&mut packed)?;
     let sun = match sun {
@@ -63,7 +64,8 @@ fn unpacked(mut packed: Packed) -> Option<MeshFile> {
     // What it names is not in the key.
     let is_unchanged = |input: &InputFile| InputFile::hashed(&input.path).is_ok_and(|now| now == *input);
     let is_whole = mesh.material.iter().all(|material| usize::from(material.0) < materials.len());
-    (is_whole && inputs.iter().skip(1).all(is_unchanged)).then(|| MeshFile {
+    let mut others = inputs.iter().filter(|input| *input != file);
+    (is_whole && inputs.contains(file) && others.all(is_unchanged)).then(|| MeshFile {
         surface: ColouredMesh { mesh, materials, origin_m, sun },
         up,
         unit_m,
@@ -88,7 +90,6 @@ impl Cache {
         }
         let Ok(file) = InputFile::hashed(path) else { return read() };
         let key = Key::of::<MeshFile>().and(path.as_os_str().as_encoded_bytes()).and(file.blake3.as_bytes());
-        let is_first = |read: &MeshFile| read.inputs.first() == Some(&file);
-        self.of(&key, |packed| unpacked(packed).filter(is_first), read)
+        self.of(&key, |packed| unpacked(packed, &file), read)
     }
 }
