@@ -27,6 +27,8 @@ pub(crate) struct Console {
     terminal: bool,
     date: SystemTime,
     began: Instant,
+    /// CPU time of this process then, s: a host may have been at work before.
+    before_s: f64,
     interrupted: Arc<AtomicBool>,
     heard: Arc<AtomicBool>,
     stages: Mutex<Stages>,
@@ -84,6 +86,7 @@ impl Console {
             terminal: std::io::stderr().is_terminal(),
             date: SystemTime::now(),
             began: Instant::now(),
+            before_s: process_cpu_s().unwrap_or(0.0),
             interrupted: Arc::default(),
             heard: Arc::default(),
             stages: Mutex::default(),
@@ -172,15 +175,9 @@ impl Console {
         }
     }
 
-    /// CPU time of this process so far, s, of all its threads; where the system does not tell it, wall time.
+    /// CPU time since this began, s, of all threads of this process; where the system does not tell it, wall time.
     pub(crate) fn cpu_s(&self) -> f64 {
-        #[cfg(any(target_os = "linux", target_vendor = "apple"))]
-        {
-            let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-            time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
-        }
-        #[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
-        self.began.elapsed().as_secs_f64()
+        process_cpu_s().map_or_else(|| self.began.elapsed().as_secs_f64(), |now_s| now_s - self.before_s)
     }
 
     /// Whether results and errors are JSON.
@@ -239,6 +236,17 @@ impl Console {
         self.finish_progress();
         say(error, self.json);
     }
+}
+
+/// CPU time of this process so far, s, where the system tells it.
+fn process_cpu_s() -> Option<f64> {
+    #[cfg(any(target_os = "linux", target_vendor = "apple"))]
+    {
+        let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+    }
+    #[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+    None
 }
 
 fn say(error: &Error, json: bool) {

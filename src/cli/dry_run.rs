@@ -157,7 +157,7 @@ pub(super) fn rounded(value: f64, digits: i32) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-fn json_of(outlook: &Outlook) -> Value {
+pub(crate) fn json_of(outlook: &Outlook) -> Value {
     let Outlook { subject, dry_run, warnings, .. } = outlook;
     let scene = &subject.scene;
     let defaults: Vec<String> = subject.defaults.iter().map(ToString::to_string).collect();

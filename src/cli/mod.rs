@@ -2,10 +2,10 @@
 
 mod campaign;
 mod chart;
-mod console;
+pub(crate) mod console;
 mod convert;
 mod coregister;
-mod dry_run;
+pub(crate) mod dry_run;
 mod inspect;
 mod instrument;
 mod integrate;
@@ -21,9 +21,9 @@ mod solve;
 mod surface;
 mod validate;
 
+use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use mmxrt::formats::folder;
@@ -106,23 +106,24 @@ enum Outcome {
     Lost,
 }
 
-pub(crate) fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
+/// Runs the command line, of which the first argument is the program's name, and gives its exit code.
+pub(crate) fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {
             // If neither output can be written, the exit code still reports the failure.
             let _ = error.print();
-            return u8::try_from(error.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from);
+            return u8::try_from(error.exit_code()).unwrap_or(1);
         }
     };
     let console = Console::new(cli.global.quiet, cli.global.verbose, cli.global.json);
     match start(&cli.global, &console).and_then(|()| dispatch(cli.command, &console)) {
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
-        Ok(Outcome::Failed) => ExitCode::from(1),
-        Ok(Outcome::Lost) => ExitCode::from(3),
+        Ok(Outcome::Done) => 0,
+        Ok(Outcome::Failed) => 1,
+        Ok(Outcome::Lost) => 3,
         Err(error) => {
             console.error(&error);
-            ExitCode::from(1)
+            1
         }
     }
 }

@@ -170,6 +170,11 @@ impl Document {
         }
     }
 
+    /// What it says, without its places.
+    pub fn tree(&self) -> &Value {
+        &self.tree
+    }
+
     /// The text.
     pub fn text(&self) -> &str {
         &self.text

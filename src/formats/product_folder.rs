@@ -76,6 +76,20 @@ pub struct Product {
     pub maps: Option<MapAccount>,
 }
 
+impl Product {
+    /// Adds to the observation what its instrument does, and its motion.
+    pub(crate) fn tell(&mut self, reader: Option<&Reader>) {
+        let Product { subject, observation, .. } = self;
+        if let Some(chain) = &subject.chain {
+            study::tell_instrument(&mut observation.effects, chain);
+        }
+        if let Some((motion, _)) = &subject.motion {
+            study::tell_correction(&mut observation.effects, motion.correction);
+        }
+        observation.warnings.extend(reader.iter().flat_map(|reader| reader.remarks()));
+    }
+}
+
 /// A product folder that is being made, hidden until it is whole.
 #[derive(Debug)]
 pub struct ProductFolder {
@@ -218,10 +232,7 @@ impl ProductFolder {
             ))
         };
         let detector = detector.map(read).transpose()?;
-        let mut bands = report_json::bands_of_statistics(&axes.bands);
-        bands.push(quicklook::grey_band(&axes.bands));
-        bands.extend(quicklook::colour_bands(&axes.bands));
-        Ok(OpenProduct { conversion, detector, cube, thermal, exr, shown: ShownBands::new(axes, bands), folder: self })
+        Ok(OpenProduct { conversion, detector, cube, thermal, exr, shown: shown(axes), folder: self })
     }
 }
 
@@ -259,13 +270,7 @@ impl OpenProduct {
     pub fn finish(self, mut product: Product, run: impl FnOnce() -> Run, watch: Watch<'_>) -> Result<Written> {
         verify(&product.observation.checks, product.table_from.as_deref())?;
         let OpenProduct { folder: ProductFolder { staged, options }, detector, cube, thermal, exr, shown, .. } = self;
-        if let Some(chain) = &product.subject.chain {
-            study::tell_instrument(&mut product.observation.effects, chain);
-        }
-        if let Some((motion, _)) = &product.subject.motion {
-            study::tell_correction(&mut product.observation.effects, motion.correction);
-        }
-        product.observation.warnings.extend(detector.iter().flat_map(|(reader, _)| reader.remarks()));
+        product.tell(detector.as_ref().map(|(reader, _)| reader));
         let product = product;
         let write = || {
             cube.end()?;
@@ -287,6 +292,14 @@ impl OpenProduct {
     }
 }
 
+/// What pictures and the report show of a cube, to be taken from its slabs.
+pub(crate) fn shown(axes: CubeAxes) -> ShownBands {
+    let mut bands = report_json::bands_of_statistics(&axes.bands);
+    bands.push(quicklook::grey_band(&axes.bands));
+    bands.extend(quicklook::colour_bands(&axes.bands));
+    ShownBands::new(axes, bands)
+}
+
 /// Writes images of signal over noise, and gives the account of it.
 fn write_signal(path: &Path, reader: &Reader, scene: &Scene) -> Result<SignalEntry> {
     let [mean, lowest, good] = reader.snr_planes();
@@ -296,7 +309,7 @@ fn write_signal(path: &Path, reader: &Reader, scene: &Scene) -> Result<SignalEnt
     let CubeAxes { samples, lines, .. } = CubeAxes::of(&scene.exposure);
     let title = titled("Signal over noise", scene);
     envi::write_backplanes(path, &Backplanes { samples, lines, planes }, Precision::F32, &title)?;
-    Ok(SignalEntry { dead_elements: reader.dead_elements(), bands: reader.account() })
+    Ok(SignalEntry::of(reader))
 }
 
 /// What an image of a scene is called.
@@ -316,7 +329,6 @@ fn write_files(
     let file = |name: &str| staged.path().join(name);
     let Product { subject, table, observation, .. } = product;
     let (bands, planes) = (&cube.axes.bands, &observation.backplanes);
-    let coverage = planes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
     let shown = planes.shown();
     tell(watch, "writing backplanes", 0, 1)?;
     // Always in double precision: positions in metres have more digits than f32 holds.
@@ -360,7 +372,7 @@ fn write_files(
     quicklook::write_grey(&file("quicklook.png"), cube, quicklook::grey_band(bands), &shown, Some(&compass))?;
     quicklook::write_colour(&file("quicklook_rgb.png"), cube, quicklook::colour_bands(bands), &shown, Some(&compass))?;
     let has_numbers = signal.is_some();
-    let report = ProductReport { signal, ..report(product, cube, coverage) };
+    let report = report(product, cube, signal);
     report_json::write(&file("report.json"), &report)?;
     tell(watch, "writing pictures and reports", 1, 1)?;
     let source = CubeSource {
@@ -413,7 +425,7 @@ pub fn files(folder: &Path) -> Result<Vec<(String, u64)>> {
 }
 
 /// Says which checks of a product do not hold, and whose fault that is: of what a table from elsewhere says, or ours.
-fn verify(checks: &[Check], table: Option<&Path>) -> Result<()> {
+pub(crate) fn verify(checks: &[Check], table: Option<&Path>) -> Result<()> {
     let failure = |check: &Check| {
         let message =
             format!("a check of the product failed, so it is not written: {} is above {}", check.value, check.limit);
@@ -431,10 +443,11 @@ fn verify(checks: &[Check], table: Option<&Path>) -> Result<()> {
 }
 
 /// What is said of a product.
-fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductReport {
+pub(crate) fn report(product: &Product, cube: &ShownBands, signal: Option<SignalEntry>) -> ProductReport {
     let Product { subject, observation, plan, maps, .. } = product;
     let CubeAxes { samples, lines, bands, quantity } = &cube.axes;
     let band_um = |band: Option<&Band>| band.map_or(0.0, |b| b.centre_um);
+    let coverage = observation.backplanes.plane("COVERAGE").map_or(&[][..], |plane| &plane.values);
     ProductReport {
         format_version: report_json::FORMAT_VERSION,
         mmxrt: env!("CARGO_PKG_VERSION").to_owned(),
@@ -460,7 +473,7 @@ fn report(product: &Product, cube: &ShownBands, coverage: &[f64]) -> ProductRepo
         checks: observation.checks.clone(),
         counts: observation.counts,
         maps: maps.clone(),
-        signal: None,
+        signal,
         defaults: subject.defaults.iter().map(ToString::to_string).collect(),
         warnings: subject.warnings.iter().chain(&observation.warnings).cloned().collect(),
         statistics: report_json::statistics(cube, coverage, &observation.backplanes),

@@ -18,7 +18,9 @@ use crate::error::{Error, Location, Result};
 use crate::product::{Backplanes, ShownBands};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::study::{BandSignal, Bound, Check, Coarser, Counts, Effect, MapAccount, Orientation, Plan, SurfaceEntry};
+use crate::study::{
+    BandSignal, Bound, Check, Coarser, Counts, Effect, MapAccount, Orientation, Plan, Reader, SurfaceEntry,
+};
 
 /// Version of both formats.
 pub const FORMAT_VERSION: u32 = 2;
@@ -80,6 +82,13 @@ pub struct SignalEntry {
     pub dead_elements: u64,
     /// Each band.
     pub bands: Vec<BandSignal>,
+}
+
+impl SignalEntry {
+    /// Of a detector that has read all of an image.
+    pub fn of(reader: &Reader) -> Self {
+        SignalEntry { dead_elements: reader.dead_elements(), bands: reader.account() }
+    }
 }
 
 /// What is said of a cube that an instrument was put over.

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::formats::{Reading, Subject, machine, scene_toml};
+use crate::formats::scene_toml::{self, SceneFile};
+use crate::formats::{Reading, Subject, machine};
 use crate::progress::Watch;
 use crate::study::{self, DryRun, Extremes, Moving, Plan, Request};
 
@@ -45,7 +46,14 @@ pub fn dry_run_with(path: &Path, reading: &Reading, watch: Watch<'_>) -> Result<
 /// # Errors
 /// Those of [`scene_toml::read`](crate::formats::scene_toml::read) and of [`study::plan`].
 pub fn plan(path: &Path, reading: &Reading, request: &Request, watch: Watch<'_>) -> Result<(Outlook, Plan)> {
-    let file = scene_toml::read_with(path, reading, watch)?;
+    plan_of(scene_toml::read_with(path, reading, watch)?, request, watch)
+}
+
+/// As [`plan`], for a scene that has been read.
+///
+/// # Errors
+/// Those of [`study::plan`].
+pub fn plan_of(file: SceneFile, request: &Request, watch: Watch<'_>) -> Result<(Outlook, Plan)> {
     let simulable = file.simulable();
     let mut subject = Subject::from(file);
     let (extremes, plan) = super::plan::decide(&mut subject, request, watch)?;

@@ -126,9 +126,7 @@ pub fn instrument(
         exr.map_or(Ok(()), ExrCube::end)?;
         numbers.map_or(Ok(()), EnviCube::end)?;
         let said = reader.as_ref().map(Reader::remarks).unwrap_or_default();
-        let signal = reader
-            .as_ref()
-            .map(|reader| SignalEntry { dead_elements: reader.dead_elements(), bands: reader.account() });
+        let signal = reader.as_ref().map(SignalEntry::of);
         let inputs = inputs.iter().chain(&asked.instrument.inputs).map(report_json::Input::from).collect();
         let report = InstrumentReport {
             format_version: report_json::FORMAT_VERSION,

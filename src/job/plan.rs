@@ -6,7 +6,10 @@ use crate::progress::Watch;
 use crate::study::{self, Extremes, Moving, Plan, Request};
 
 /// Decides by which models a scene is simulated, gives it these, and warns of what was asked for and does not come about.
-pub(super) fn decide(subject: &mut Subject, request: &Request, watch: Watch<'_>) -> Result<(Extremes, Plan)> {
+///
+/// # Errors
+/// Those of [`study::decide`] and of [`Scene::by`](crate::scene::Scene::by).
+pub fn decide(subject: &mut Subject, request: &Request, watch: Watch<'_>) -> Result<(Extremes, Plan)> {
     let (models, extremes, mut plan) = study::decide(&subject.scene, request, watch)?;
     if let Some((motion, timing)) = &mut subject.motion {
         if timing.poses == 0 {

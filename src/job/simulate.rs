@@ -5,10 +5,11 @@ use crate::formats::Subject;
 use crate::formats::product_folder::{Product, ProductFolder, ProductOptions, Written};
 use crate::formats::report_json::Run;
 use crate::integrate::Wanted;
+use crate::product::FacetTable;
 use crate::progress::Watch;
 use crate::scene::Timing;
 use crate::solve;
-use crate::study::{self, Moving, Request};
+use crate::study::{self, Extremes, Moving, Observation, Put, Request};
 
 /// Simulates a scene, by the models that are requested, and writes the product; `run` is asked at the end what `run.json` is to say.
 ///
@@ -29,22 +30,33 @@ pub fn simulate(
     let (extremes, plan) = super::plan::decide(&mut subject, request, watch)?;
     let mut product = folder.open(&subject)?;
     let mut put = |slab| product.put(slab, watch);
+    let (table, observation) = look(&subject, (&extremes, request.tolerance), wanted, &mut put, watch)?;
+    product.finish(Product { subject, table, table_from: None, observation, plan: Some(plan), maps: None }, run, watch)
+}
+
+/// Looks at a scene whose models are decided; `put` takes the radiance that optics let through, as it is made.
+pub(super) fn look(
+    subject: &Subject,
+    (extremes, tolerance): (&Extremes, f64),
+    wanted: Wanted<'_>,
+    put: Put<'_>,
+    watch: Watch<'_>,
+) -> Result<(FacetTable, Observation<()>)> {
     let optics = subject.chain.as_ref().and_then(|chain| chain.optics.as_ref());
     let (scene, moves) = (&subject.scene, |(_, timing): &&(_, Timing)| timing.is_in_parts());
-    let (table, observation) = match subject.motion.as_ref().filter(moves) {
+    Ok(match subject.motion.as_ref().filter(moves) {
         Some((motion, timing)) => {
             let moving = Moving { scene, motion, timing: *timing, optics };
-            study::acquire_by_slabs(moving, (&extremes, request.tolerance), wanted, &mut put, watch)?
+            study::acquire_by_slabs(moving, (extremes, tolerance), wanted, put, watch)?
         }
         None => {
             let table = solve::solve(scene, watch)?;
-            let mut observation = study::observe_through(scene, (&table, &extremes), optics, wanted, &mut put, watch)?;
+            let mut observation = study::observe_through(scene, (&table, extremes), optics, wanted, put, watch)?;
             if let Some((motion, timing)) = &subject.motion {
                 let moving = Moving { scene, motion, timing: *timing, optics };
-                study::tell_exposure(moving, request.tolerance, &mut observation);
+                study::tell_exposure(moving, tolerance, &mut observation);
             }
             (table, observation)
         }
-    };
-    product.finish(Product { subject, table, table_from: None, observation, plan: Some(plan), maps: None }, run, watch)
+    })
 }

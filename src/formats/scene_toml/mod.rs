@@ -159,14 +159,33 @@ pub fn read_with(path: &Path, reading: &Reading, watch: Watch<'_>) -> Result<Sce
     Ok(read_for(path, reading, None, watch)?.0)
 }
 
-/// The same, and what the file says, for a scene that is looked at at other moments too.
+/// The same of a text that is in no file: `path` names it in messages and reports, and paths in it are relative to its folder.
+///
+/// # Errors
+/// As [`read_with`].
+pub fn read_text(text: String, path: &Path, reading: &Reading, watch: Watch<'_>) -> Result<SceneFile> {
+    let input = InputFile::of(path, text.as_bytes());
+    Ok(read_document((Document::parse(text, path)?, input), path, reading, None, watch)?.0)
+}
+
+/// As [`read_with`], and what the file says, for a scene that is looked at at other moments too.
 fn read_for(
     path: &Path,
     reading: &Reading,
     moments: Option<Moments<'_>>,
     watch: Watch<'_>,
 ) -> Result<(SceneFile, SceneToml)> {
-    let (document, input) = Document::open(path)?;
+    read_document(Document::open(path)?, path, reading, moments, watch)
+}
+
+/// Reads what an opened file or a text says.
+fn read_document(
+    (document, input): (Document, InputFile),
+    path: &Path,
+    reading: &Reading,
+    moments: Option<Moments<'_>>,
+    watch: Watch<'_>,
+) -> Result<(SceneFile, SceneToml)> {
     let document = setting::with(document, &reading.settings)?;
     let toml: SceneToml = document.read()?;
     let mut reader = TomlReader::new(path, document, DVec3::from_array(toml.origin_m), input, watch);
