@@ -20,6 +20,7 @@ mod simulate;
 mod solve;
 mod surface;
 mod validate;
+mod view;
 
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -87,6 +88,8 @@ enum Command {
     Convert(convert::Arguments),
     /// Show what a file holds; for a scene also what simulating it would take, and its warnings
     Inspect(inspect::Arguments),
+    /// Write a page for a browser that shows a product, an image, a campaign's or chart's folder, or spectra
+    View(view::Arguments),
     /// Compare ways to make the image of a scene: error against CPU time
     Chart(chart::Arguments),
     /// Run the closed-form test cases and print the results
@@ -160,6 +163,7 @@ fn dispatch(command: Command, console: &Console) -> mmxrt::Result<Outcome> {
         Command::Landscape(arguments) => landscape::run(&arguments, console),
         Command::Convert(arguments) => convert::run(&arguments, console),
         Command::Inspect(arguments) => inspect::run(&arguments, console),
+        Command::View(arguments) => view::run(&arguments, console),
         Command::Chart(arguments) => chart::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
         Command::Completions(arguments) => shell::complete(&arguments, console),

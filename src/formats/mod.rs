@@ -1,5 +1,6 @@
 //! Files: one format, one module. Only here and in the command line is the disk touched.
 
+mod base64;
 mod blend;
 mod cache;
 pub mod campaign_folder;
@@ -58,6 +59,7 @@ pub mod photometry_csv;
 pub mod pixel;
 pub mod points_csv;
 pub mod ortho_folder;
+pub mod page;
 mod picture;
 pub mod ply;
 pub mod product_cubes;

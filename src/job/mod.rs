@@ -23,6 +23,7 @@ mod plan;
 mod simulate;
 mod solve;
 mod surface;
+mod view;
 
 pub use campaign::{Finished, Order, Shard, State, Status, campaign};
 pub use chart::{Render, chart, stability};
@@ -45,3 +46,4 @@ pub use plan::decide;
 pub use simulate::simulate;
 pub use solve::{TableFiles, Towards, radiance_path, solve};
 pub use surface::SurfaceFacts;
+pub use view::{Shown, view};

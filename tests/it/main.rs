@@ -138,6 +138,7 @@ mod truth;
 mod units_of_spectra;
 mod unsaid;
 mod unusual;
+mod view;
 mod whisk_broom;
 mod wild_inputs;
 mod wild_obj;

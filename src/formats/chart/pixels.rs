@@ -1,5 +1,6 @@
 //! Pictures in a page: images in grey, errors in colours.
 
+use crate::formats::base64::base64;
 use crate::formats::quicklook::{grey_as, png_bytes};
 use crate::geometry::whole;
 use crate::study::chart::Ground;
@@ -52,31 +53,4 @@ pub(super) fn colour(error: f64) -> [u8; 3] {
 /// A PNG file as an address that holds it.
 fn uri(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", base64(png))
-}
-
-/// RFC 4648.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for three in bytes.chunks(3) {
-        let of = |i: usize| u32::from(three.get(i).copied().unwrap_or(0));
-        let bits = of(0) << 16 | of(1) << 8 | of(2);
-        for i in 0..4 {
-            let digit = DIGITS[(bits >> (18 - 6 * i) & 63) as usize];
-            text.push(if i <= three.len() { char::from(digit) } else { '=' });
-        }
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bytes_as_text() {
-        // RFC 4648, section 10.
-        let told = ["", "f", "fo", "foo", "foob", "fooba", "foobar"].map(|text| base64(text.as_bytes()));
-        assert_eq!(told, ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"]);
-    }
 }

@@ -1,0 +1,79 @@
+// What is at A and B: spectra, planes and the numbers of the layer.
+
+/** The name of a plane without its unit. */
+const bare = (name) => name.replace(/ \(.*\)$/, "");
+
+/** The material of an index, where the report and the planes agree on how many there are. */
+function material(index) {
+  const named = page.report && Array.isArray(page.report.surfaces) ? page.report.surfaces : [];
+  const planes = page.sources.planes.names.filter((name) => name.startsWith("ABUNDANCE ")).length;
+  return named.length === planes && named[index] ? `${index}: ${named[index].name}` : shown(index);
+}
+
+async function spectra(at) {
+  const { cube, thermal } = page.sources, found = { cube: await cube.region(at) };
+  if (thermal) found.thermal = await thermal.region(at);
+  return found;
+}
+
+const isPixel = ([x0, y0, x1, y1]) => x0 === x1 && y0 === y1;
+const placed = (at) => (isPixel(at) ? `sample ${at[0]}, line ${at[1]}` : `samples ${at[0]} to ${at[2]}, lines ${at[1]} to ${at[3]}`);
+
+let asked = 0;
+
+/** Reads and shows all that is known at A and B. */
+async function readout() {
+  const turn = ++asked, { cube, thermal, planes } = page.sources, names = ["a", "b"].filter((name) => page.selected[name]);
+  marks();
+  if (!cube || !names.length) return;
+  const found = {}, told = {};
+  for (const name of names) {
+    found[name] = await spectra(page.selected[name]);
+    if (planes) told[name] = await planes.region(page.selected[name]);
+  }
+  // A later click is shown already.
+  if (turn !== asked) return;
+  drawSpectra(names, found);
+  const rows = [], cells = (of) => names.map((name) => of(name));
+  const both = (m) => element("td", m.count > 1 ? `${rounded(m.mean)} ± ${rounded(m.sd, 3)}` : shown(m.count ? m.mean : NaN));
+  rows.push(["place", ...cells((name) => element("td", placed(page.selected[name])))]);
+  const band = Math.min(page.band, cube.count - 1);
+  rows.push([`${page.kind === "product" ? "cube" : "value"}, ${bandName(cube, band)}`, ...cells((name) => both(found[name].cube[band]))]);
+  if (planes) planes.names.forEach((name, k) => rows.push([name, ...cells((of) => {
+    const m = told[of][k];
+    return bare(name) === "MATERIAL" && m.count && m.sd === 0 ? element("td", material(m.mean)) : both(m);
+  })]));
+  by("values").replaceChildren(table(["", ...names.map((name) => name.toUpperCase())], rows));
+  const note = [cube.told && `spectrum: ${cube.told}`, planes && planes.told && `planes: ${planes.told}`].filter(Boolean).join("; ");
+  if (note) by("values").append(element("p", note, "numbers"));
+  const head = ["band", "um"], columns = [];
+  for (const name of names) {
+    const { cube: total, thermal: heat } = found[name], of = (label, values) => { head.push(`${name.toUpperCase()} ${label}`); columns.push(values); };
+    of(isPixel(page.selected[name]) ? "value" : "mean", total.map((m) => m.mean));
+    if (!isPixel(page.selected[name])) of("spread", total.map((m) => m.sd));
+    if (heat) { of("reflected", total.map((m, i) => Math.fround(m.mean - heat[i].mean))); of("thermal", heat.map((m) => m.mean)); }
+  }
+  page.table = () => by("spectrum-table").replaceChildren(table(head, cube.names.map((_, i) => [String(i + 1), shown(cube.um[i] ?? NaN), ...columns.map((values) => shown(values[i]))])));
+  if (by("spectrum-table").parentElement.open) page.table();
+}
+
+function drawSpectra(names, found) {
+  const { cube } = page.sources, hasUm = cube.um.some((um) => um !== null), x = cube.um.map((um, i) => (hasUm ? um ?? NaN : i + 1)), curves = [];
+  by("legend").replaceChildren();
+  const add = (name, label, y, spread, colour, dash) => {
+    curves.push({ name: label, x, y, spread, colour, dash });
+    const said = element("span", `${dash ? "┄" : "—"} ${label}  `);
+    said.style.color = colour;
+    by("legend").append(said);
+  };
+  for (const name of names) {
+    const { cube: total, thermal } = found[name], colour = `var(--${name})`, of = (ms) => ms.map((m) => m.mean), call = name.toUpperCase();
+    const spread = isPixel(page.selected[name]) ? null : total.map((m) => m.sd);
+    add(name, call, of(total), spread, colour);
+    if (thermal) {
+      add(name, `${call} reflected`, total.map((m, i) => m.mean - thermal[i].mean), null, colour, "6 3");
+      add(name, `${call} thermal`, of(thermal), null, name === "a" ? "var(--heat)" : colour, "2 2");
+    }
+  }
+  plot(by("plot"), curves, [hasUm ? "wavelength, um" : "band", cube.unit || "value"], x[page.band]);
+}
