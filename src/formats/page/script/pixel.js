@@ -19,6 +19,13 @@ async function spectra(at) {
 const isPixel = ([x0, y0, x1, y1]) => x0 === x1 && y0 === y1;
 const placed = (at) => (isPixel(at) ? `sample ${at[0]}, line ${at[1]}` : `samples ${at[0]} to ${at[2]}, lines ${at[1]} to ${at[3]}`);
 
+/** A plane at a place: indices have no mean, and angles that begin anew at 360 deg none that is simple. */
+function ofPlane(name, m, both) {
+  if (m.count && m.sd === 0) return element("td", bare(name) === "MATERIAL" ? material(m.mean) : shown(m.mean));
+  if (m.count && name.includes("(index")) return element("td", "several");
+  return m.count && /LONGITUDE|AZIMUTH/.test(name) ? element("td", `${rounded(m.min)} to ${rounded(m.max)}`) : both(m);
+}
+
 let asked = 0;
 
 /** Reads and shows all that is known at A and B. */
@@ -39,10 +46,7 @@ async function readout() {
   rows.push(["place", ...cells((name) => element("td", placed(page.selected[name])))]);
   const band = Math.min(page.band, cube.count - 1);
   rows.push([`${page.kind === "product" ? "cube" : "value"}, ${bandName(cube, band)}`, ...cells((name) => both(found[name].cube[band]))]);
-  if (planes) planes.names.forEach((name, k) => rows.push([name, ...cells((of) => {
-    const m = told[of][k];
-    return bare(name) === "MATERIAL" && m.count && m.sd === 0 ? element("td", material(m.mean)) : both(m);
-  })]));
+  if (planes) planes.names.forEach((name, k) => rows.push([name, ...cells((of) => ofPlane(name, told[of][k], both))]));
   by("values").replaceChildren(table(["", ...names.map((name) => name.toUpperCase())], rows));
   const note = [cube.told && `spectrum: ${cube.told}`, planes && planes.told && `planes: ${planes.told}`].filter(Boolean).join("; ");
   if (note) by("values").append(element("p", note, "numbers"));

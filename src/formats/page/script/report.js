@@ -42,16 +42,17 @@ function tellGeometry() {
   if (!of || typeof of !== "object") { holder.hidden = true; return; }
   const svg = shape("svg", { viewBox: "-50 -50 100 100", width: 132, role: "img", "aria-label": "Directions in the image" });
   svg.append(shape("rect", { x: -30, y: -30, width: 60, height: 60, fill: "none", stroke: "var(--line)" }), shape("circle", { r: 1.5, fill: "var(--soft)" }));
-  const arrow = (degrees, sign, ink) => {
-    if (!Number.isFinite(degrees)) return;
-    const a = degrees * Math.PI / 180, [x, y] = [Math.sin(a), -Math.cos(a)], [u, v] = [-y, x];
+  const arrow = (angle, sign, ink) => {
+    if (!Number.isFinite(angle)) return;
+    const a = angle * Math.PI / 180, [x, y] = [Math.sin(a), -Math.cos(a)], [u, v] = [-y, x];
     svg.append(shape("path", { d: `M0 0L${32 * x} ${32 * y}M${26 * x + 4 * u} ${26 * y + 4 * v}L${32 * x} ${32 * y}L${26 * x - 4 * u} ${26 * y - 4 * v}`, stroke: ink, fill: "none", "stroke-width": 1.6 }));
     svg.append(shape("text", { x: 41 * x, y: 41 * y + 4, "text-anchor": "middle" }, sign));
   };
   arrow(of.north_deg, "N", "var(--a)");
   arrow(of.sun_deg, "☉", "var(--b)");
-  const said = [Number.isFinite(of.north_deg) ? `north ${rounded(of.north_deg, 4)}°` : "north along the line of sight", Number.isFinite(of.sun_deg) ? `Sun ${rounded(of.sun_deg, 4)}°` : "Sun along the line of sight"];
-  const view = Array.isArray(of.view) && of.view.every(Number.isFinite) ? `; the camera looks along (${of.view.map((v) => v.toFixed(3)).join(", ")}) in the body's axes` : "";
+  const degrees = (angle) => `${Number(angle.toFixed(1))}°`;
+  const said = [Number.isFinite(of.north_deg) ? `north ${degrees(of.north_deg)}` : "north along the line of sight", Number.isFinite(of.sun_deg) ? `Sun ${degrees(of.sun_deg)}` : "Sun along the line of sight"];
+  const view = Array.isArray(of.view) && of.view.every(Number.isFinite) ? `; the camera looks along (${of.view.map((v) => String(Number(v.toFixed(3)))).join(", ")}) in the body's axes` : "";
   holder.replaceChildren(svg, element("figcaption", `From up by the right: ${said.join(", ")}${view}`));
 }
 
