@@ -50,9 +50,22 @@ pub fn view(input: &Path, target: Option<&Path>, (bytes, replace): (u64, bool), 
         product(&mut page, (input, &cube), (bytes, &mut sides), &staged, watch)?;
     } else if there("manifest.json") || CAMPAIGN.iter().any(|(_, name)| there(name)) {
         page = Page::new(name, "campaign");
+        let manifest = input.join("manifest.json");
+        staged.spares(
+            CAMPAIGN
+                .iter()
+                .map(|(_, name)| input.join(name))
+                .chain([manifest])
+                .collect::<Vec<_>>()
+                .iter()
+                .map(PathBuf::as_path),
+        )?;
         campaign(&mut page, input)?;
     } else if CHART.iter().any(|(_, name)| there(&format!("{name}.png"))) {
         page = Page::new(name, "chart");
+        let files =
+            CHART.iter().flat_map(|(_, name)| ["png", "csv"].map(|ending| input.join(format!("{name}.{ending}"))));
+        staged.spares(files.collect::<Vec<_>>().iter().map(PathBuf::as_path))?;
         chart(&mut page, input)?;
     } else {
         match registry::of_input(input) {
@@ -90,7 +103,8 @@ pub(crate) fn beside(input: &Path) -> PathBuf {
 fn refused(input: &Path, found: &Result<(&crate::formats::Format, PathBuf)>, error: Error) -> Error {
     match found {
         Ok((format, _)) if format.is_image() => error,
-        _ if input.is_file() && !matches!(error, Error::Invalid(_)) => error,
+        // A folder cannot be read as a file, which is not what is wrong with it.
+        _ if input.is_file() && matches!(error, Error::Io { .. }) => error,
         _ => nothing(input),
     }
 }
@@ -133,6 +147,7 @@ fn product(
         }
     }
     let report = folder.join("report.json");
+    staged.spares([report.as_path()])?;
     match report_json::read::<serde_json::Value>(&report) {
         Ok(report) => page.report(report),
         Err(_) if !report.is_file() => {

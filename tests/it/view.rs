@@ -276,9 +276,9 @@ fn folders_and_curves_have_pages_and_the_rest_is_refused() {
     let page = viewed(&scratch, "chart", &[]);
     assert_eq!(bytes(page.about["pictures"][0]["png"].as_str().unwrap()), png);
     assert_eq!(page.about["texts"][0]["text"], "method,cpu_s\nexact,1\n");
-    scratch.write("notes.txt", "nothing");
+    scratch.write("notes.md", "nothing");
     folder(&scratch, "empty");
-    for name in ["notes.txt", "empty", "not_there"] {
+    for name in ["notes.md", "empty", "not_there"] {
         let (code, _, error) = run(&["view", &scratch.argument(name)]);
         assert_eq!(code, 1);
         assert!(name == "not_there" || error.contains("can be viewed"), "{error}");

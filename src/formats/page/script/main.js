@@ -12,7 +12,7 @@ async function begin() {
   by("foot").textContent = `Made by mmxrt ${page.mmxrt}. This page holds all that it shows; it loads nothing.`;
   for (const stack of page.stacks) page.sources[stack.key] = page.embedded[stack.key] = new Embedded(stack);
   const { cube } = page.sources;
-  document.body.classList.toggle("plain", !cube);
+  document.body.classList.toggle("plain", !cube && !page.spectra.length);
   document.body.classList.toggle("curves", page.spectra.length > 0);
   document.body.classList.toggle("texts", !cube && !page.spectra.length && !page.pictures.length);
   if (cube) {
@@ -31,7 +31,7 @@ async function begin() {
   if (page.spectra.length) {
     const inks = ["var(--a)", "var(--b)", "var(--heat)", "#2a8a4a", "#8757c9", "#8a7a10"];
     const curves = page.spectra.map((s, i) => ({ name: s.name, x: s.um, y: s.values.map((v) => v ?? NaN), colour: inks[i % inks.length] }));
-    by("values").previousElementSibling.textContent = "Curves";
+    by("values").previousElementSibling.hidden = true;
     plot(by("plot"), curves, ["wavelength, um", "value"], NaN);
     for (const [i, c] of curves.entries()) { const said = element("span", `— ${c.name}  `); said.style.color = inks[i % inks.length]; by("legend").append(said); }
     page.table = () => by("spectrum-table").replaceChildren(table(["curve", "um", "value"], curves.flatMap((c) => c.x.map((x, i) => [c.name, shown(x), shown(c.y[i])]))));
