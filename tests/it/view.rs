@@ -63,8 +63,7 @@ fn within<'a>(text: &'a str, begin: &str, end: &str) -> &'a str {
 /// Of base64.
 fn bytes(text: &str) -> Vec<u8> {
     const DIGITS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut of = BTreeMap::new();
-    DIGITS.chars().enumerate().for_each(|(i, digit)| drop(of.insert(digit, i as u32)));
+    let of: BTreeMap<char, u32> = DIGITS.chars().zip(0..).collect();
     let digits: Vec<u32> = text.trim_end_matches('=').chars().map(|c| of[&c]).collect();
     let three = |four: &[u32]| {
         let bits = (0..4).fold(0, |bits, i| bits << 6 | four.get(i).copied().unwrap_or(0));
