@@ -91,7 +91,7 @@ pub fn view(input: &Path, target: Option<&Path>, (bytes, replace): (u64, bool), 
 }
 
 /// The page of an input if no other is named: as `scene` and `scene.toml` have `scene.html` and `scene.toml.html`.
-pub(crate) fn beside(input: &Path) -> PathBuf {
+fn beside(input: &Path) -> PathBuf {
     // `.` and `..` have no name of their own.
     let named = if input.file_name().is_some() { input.to_owned() } else { input.canonicalize().unwrap_or_default() };
     let mut name = named.file_name().unwrap_or("page".as_ref()).to_owned();
