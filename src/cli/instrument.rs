@@ -15,7 +15,7 @@ use super::product::FormatArguments;
 pub(crate) struct Arguments {
     /// The cube: radiance in W m-2 sr-1 um-1, with wavelengths
     cube: PathBuf,
-    /// The instrument: a TOML file, as the README has it
+    /// The instrument: a TOML file, of the keys in docs/reference/instrument.md
     #[arg(long, value_name = "FILE.toml")]
     instrument: PathBuf,
     /// The folder to create

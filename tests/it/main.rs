@@ -14,6 +14,7 @@ mod bands;
 mod beams;
 mod blender;
 mod bodies;
+mod book;
 mod cache;
 mod cameras;
 mod campaign;

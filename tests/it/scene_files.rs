@@ -58,9 +58,9 @@ fn mars_stands_high_over_the_mars_side_and_the_sun_low() {
 }
 
 #[test]
-fn the_scene_in_the_readme_is_read_as_it_stands() {
-    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
-    let text = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+fn the_scene_in_the_tutorial_is_read_as_it_stands() {
+    let page = std::fs::read_to_string(root().join("docs/tutorial/change.md")).unwrap();
+    let text = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let scratch = Scratch::new();
     for name in ["blue_unit.csv", "site.toml"] {
         std::fs::copy(root().join("scenes/phobos_site").join(name), scratch.join(name)).unwrap();
