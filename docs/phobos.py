@@ -46,6 +46,7 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.4), width_ratios=(1, 
 left.imshow(plt.imread(product / "quicklook_rgb.png"))
 left.set_axis_off()
 right.set_yscale("log")
+right.set_ylim(7e-4, 8)
 for place, colour, name in ((sunny, "#e08a00", "in sunlight"), (shady, "#2a6fdb", "in shadow, lit by Mars and the ground around")):
     line, sample = (i + size // 2 for i in place)
     right.plot(wavelength_um, cube[:, line, sample], color=colour, label=name, lw=1.8)

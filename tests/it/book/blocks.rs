@@ -10,6 +10,8 @@
 //! - `<!-- heavy -->`: it runs with `MMXRT_HEAVY=1` alone;
 //! - `<!-- needs: PROGRAM -->`: it runs where this program is on the path;
 //! - `<!-- not run: REASON -->`.
+//!
+//! Without `MMXRT_HEAVY=1` landscapes of the shipped scenes and of `mmxrt new` have few facets.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -36,6 +38,14 @@ fn like_the_repository() -> Scratch {
         copy(&root().join(folder), &scratch.join(folder));
     }
     std::fs::create_dir_all(scratch.join("out")).unwrap();
+    for scene in ["phobos_site", "phobos_mars_side"] {
+        let recipe = scratch.join("scenes").join(scene).join("site.toml");
+        let text = std::fs::read_to_string(&recipe).unwrap();
+        assert!(text.contains("facets = 200_000"), "{scene}");
+        if !is_heavy() {
+            std::fs::write(&recipe, text.replace("facets = 200_000", "facets = 4_000")).unwrap();
+        }
+    }
     scratch
 }
 
@@ -52,12 +62,18 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// A `mmxrt` for the path, which adds options to some commands. Gives the folder that it is in.
+/// Fewer facets for the landscape that `mmxrt new` has written to `$r`.
+const COARSE: &str = "if [ -f \"$r\" ]; then sed -i.all 's/^facets = .*/facets = 3_000/' \"$r\" && rm \"$r.all\"; fi";
+
+/// A `mmxrt` for the path, which adds options to some commands, and coarser landscapes to those that it begins. Gives the folder that it is in.
 fn wrapper(scratch: &Scratch, small: &[(&str, &str)]) -> PathBuf {
-    let mut text = "#!/bin/sh\ncase \"$1\" in\n".to_owned();
+    let mut text = "#!/bin/sh\nset -e\ncase \"$1\" in\n".to_owned();
     let program = env!("CARGO_BIN_EXE_mmxrt");
     for (command, options) in small {
         text.push_str(&format!("{command}) exec '{program}' \"$@\" {options} ;;\n"));
+    }
+    if !is_heavy() {
+        text.push_str(&format!("new) '{program}' \"$@\"; for f; do for r in \"$f\"/site.toml \"$f\"/ground.toml; do {COARSE}; done; done ;;\n"));
     }
     text.push_str(&format!("*) exec '{program}' \"$@\" ;;\nesac\n"));
     let folder = scratch.join(".bin");
@@ -98,6 +114,12 @@ fn base(scratch: &Scratch, name: &str) -> (PathBuf, String) {
             if !target.exists() {
                 std::fs::copy(root().join("scenes/phobos_site").join(file), target).unwrap();
             }
+        }
+        // Only whether the scene is accepted is asked, not what its ground is like.
+        for recipe in ["site.toml", "ground.toml"].map(|file| folder.join(file)).iter().filter(|path| path.exists()) {
+            let text = std::fs::read_to_string(recipe).unwrap();
+            let coarse = text.lines().map(|line| if line.starts_with("facets = ") { "facets = 3_000" } else { line });
+            std::fs::write(recipe, coarse.collect::<Vec<_>>().join("\n")).unwrap();
         }
     }
     let text = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
