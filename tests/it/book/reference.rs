@@ -137,11 +137,11 @@ fn described(schema: &Value) -> String {
 fn named(schema: &Value, defs: &Map<String, Value>, met: &mut Vec<String>) {
     match schema {
         Value::Object(object) => {
-            if let Some(name) = object.get("$ref").and_then(Value::as_str).and_then(|r| r.strip_prefix("#/$defs/")) {
-                if !met.iter().any(|m| m == name) {
-                    met.push(name.to_owned());
-                    named(&defs[name], defs, met);
-                }
+            if let Some(name) = object.get("$ref").and_then(Value::as_str).and_then(|r| r.strip_prefix("#/$defs/"))
+                && !met.iter().any(|m| m == name)
+            {
+                met.push(name.to_owned());
+                named(&defs[name], defs, met);
             }
             object.iter().filter(|(key, _)| *key != "$defs").for_each(|(_, value)| named(value, defs, met));
         }
