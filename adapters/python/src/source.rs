@@ -1,0 +1,103 @@
+//! Where a scene comes from: a file or a text, of which items may be replaced.
+
+use std::path::{Path, PathBuf};
+
+use mmxrt::formats::located::Document;
+use mmxrt::formats::scene_toml::{self, SceneFile};
+use mmxrt::formats::{Setting, Subject};
+use mmxrt::job;
+use mmxrt::progress::Watch;
+use mmxrt::study::{Choice, Request, WITHIN};
+use mmxrt::{Error, Result};
+use pyo3::prelude::*;
+use serde_json::json;
+
+use super::cli;
+use super::errors::{self, argument};
+use super::work::work;
+
+/// What a `Scene` of Python holds.
+#[derive(FromPyObject)]
+pub(crate) struct Source {
+    #[pyo3(attribute("_path"))]
+    path: PathBuf,
+    /// What it says, if it is in no file.
+    #[pyo3(attribute("_text"))]
+    text: Option<String>,
+    /// `KEY=VALUE`, as for `--set`.
+    #[pyo3(attribute("_settings"))]
+    settings: Vec<String>,
+}
+
+impl Source {
+    /// Reads it.
+    pub(crate) fn file(&self, watch: Watch<'_>) -> Result<SceneFile> {
+        let parsed = |text: &String| text.parse::<Setting>().map_err(|message| argument(text, message));
+        let (mut settings, mut problems) = (Vec::new(), Vec::new());
+        for setting in &self.settings {
+            match parsed(setting) {
+                Ok(setting) => settings.push(setting),
+                Err(error) => problems.extend(error.problems()),
+            }
+        }
+        if !problems.is_empty() {
+            return Err(Error::Invalid(problems));
+        }
+        match &self.text {
+            Some(text) => scene_toml::read_text(text.clone(), &self.path, &settings, watch),
+            None => scene_toml::read_with(&self.path, &settings, watch),
+        }
+    }
+
+    /// Reads it, to be simulated.
+    pub(crate) fn subject(&self, ideal: bool, watch: Watch<'_>) -> Result<Subject> {
+        let file = self.file(watch)?;
+        file.simulable()?;
+        let subject = Subject::from(file);
+        Ok(if ideal { Subject { chain: None, ..subject } } else { subject })
+    }
+}
+
+/// Which effects are wanted, and how good.
+pub(crate) fn request(model: &str, tolerance: f64) -> Result<Request> {
+    if tolerance.is_nan() || tolerance <= 0.0 || tolerance.is_infinite() {
+        return Err(argument("tolerance", "give a number above 0, such as 1e-3"));
+    }
+    Ok(Request { choice: Choice::parse(model).map_err(|message| argument("model", message))?, tolerance })
+}
+
+/// What a scene file says, as JSON.
+#[pyfunction]
+pub(crate) fn tree(py: Python<'_>, path: PathBuf) -> PyResult<String> {
+    let read = |path: &Path| Ok(Document::open(path)?.0.tree().to_string());
+    read(&path).map_err(|error: Error| errors::raised(py, &error))
+}
+
+/// What `mmxrt inspect --json` says of a scene.
+#[pyfunction]
+pub(crate) fn inspect(py: Python<'_>, source: Source, tell: &Bound<'_, PyAny>) -> PyResult<String> {
+    work(py, tell, |watch| {
+        let (outlook, _) = job::plan_of(source.file(watch)?, &Request::default(), watch)?;
+        Ok(cli::dry_run::json_of(&outlook).to_string())
+    })
+}
+
+/// What `mmxrt plan --json` says of a scene.
+#[pyfunction]
+pub(crate) fn plan(
+    py: Python<'_>,
+    source: Source,
+    model: &str,
+    tolerance: f64,
+    tell: &Bound<'_, PyAny>,
+) -> PyResult<String> {
+    work(py, tell, |watch| {
+        let request = request(model, tolerance)?;
+        let (outlook, plan) = job::plan_of(source.file(watch)?, &request, watch)?;
+        let expects = json!({
+            "memory_bytes": outlook.dry_run.memory_bytes, "disk_bytes": outlook.dry_run.product_bytes,
+            "cpu_s": outlook.dry_run.cpu_s, "cpu_s_within_factor": WITHIN,
+        });
+        outlook.error.map_or(Ok(json!({ "plan": plan, "expects": expects }).to_string()), Err)
+    })
+}

@@ -1,0 +1,82 @@
+//! Facet tables: as files, or as arrays.
+
+use std::path::PathBuf;
+
+use mmxrt::formats::folder;
+use mmxrt::job::{self, TableFiles};
+use mmxrt::product::{FacetTable, Lighting, Sees};
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::errors::argument;
+use super::source::{Source, request};
+use super::work::work;
+
+/// Solves a scene into a file, as `mmxrt solve`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "named in Python")]
+pub(crate) fn solve(
+    py: Python<'_>,
+    source: Source,
+    out: PathBuf,
+    radiance: Option<String>,
+    force: bool,
+    model: &str,
+    tolerance: f64,
+    tell: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    work(py, tell, |watch| {
+        let request = request(model, tolerance)?;
+        let towards = radiance.map(|text| text.parse().map_err(|message: String| argument("radiance", message)));
+        folder::settle(&out, true)?;
+        let files = TableFiles::stage(&out, towards.transpose()?, force)?;
+        job::solve(&mut source.subject(false, watch)?, &request, files, watch)?;
+        Ok(())
+    })
+}
+
+/// Solves a scene in memory: a dictionary of arrays, with a number for each facet.
+#[pyfunction]
+pub(crate) fn hold_table<'py>(
+    py: Python<'py>,
+    source: Source,
+    model: &str,
+    tolerance: f64,
+    tell: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let table = work(py, tell, |watch| {
+        let mut subject = source.subject(false, watch)?;
+        job::decide(&mut subject, &request(model, tolerance)?, watch)?;
+        mmxrt::solve::solve(&subject.scene, watch)
+    })?;
+    columns(py, table)
+}
+
+/// The columns of a table that have a number for each facet, by the names that they have in files.
+pub(crate) fn columns(py: Python<'_>, table: FacetTable) -> PyResult<Bound<'_, PyDict>> {
+    let columns = PyDict::new(py);
+    let facets = table.facets();
+    for Lighting { source, irradiance, sees, .. } in table.sources {
+        columns.set_item(format!("{source}_irradiance"), irradiance.into_pyarray(py))?;
+        match sees {
+            Sees::All => {}
+            Sees::Shares(shares) => columns.set_item(format!("{source}_share"), shares.into_pyarray(py))?,
+            Sees::Polygons(seen) => {
+                let shares: Vec<f64> = (0_u32..).take(facets).map(|facet| seen.fraction(facet)).collect();
+                columns.set_item(format!("{source}_share"), shares.into_pyarray(py))?;
+            }
+        }
+    }
+    let temperatures =
+        [("temperature_lit_k", table.temperature_lit_k), ("temperature_shaded_k", table.temperature_shaded_k)];
+    for (name, values) in temperatures {
+        if !values.is_empty() {
+            columns.set_item(name, values.into_pyarray(py))?;
+        }
+    }
+    for (i, reflected) in table.reflected.into_iter().enumerate() {
+        columns.set_item(format!("reflected_{i}"), reflected.irradiance.into_pyarray(py))?;
+    }
+    Ok(columns)
+}

@@ -1,0 +1,114 @@
+"""Work goes on without Python's lock, tells of itself, and can be stopped."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import mmxrt
+import pytest
+from conftest import plate, run
+
+
+def slow(folder: Path) -> mmxrt.Scene:
+    """A scene that takes some seconds: a landscape of many facets, in many bands."""
+    sensor = {"samples": 400, "lines": 400, "ifov_mrad": 0.2, "bands": {"start_um": 1.0, "stop_um": 3.6, "count": 300}}
+    return mmxrt.Scene(plate(sensor=sensor, mesh=[{"recipe": "rugged", "material": "grey"}]), folder=folder)
+
+
+def test_another_thread_counts_on(folder: Path) -> None:
+    scene, counted, stop = slow(folder), [0], threading.Event()
+
+    def count() -> None:
+        while not stop.is_set():
+            counted[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    began = time.monotonic()
+    scene.simulate(model=["sunlight"])
+    took = time.monotonic() - began
+    stop.set()
+    thread.join()
+    assert took > 0.5, "too fast to tell"
+    # An idle machine counts some 900 a second, and one that waits for the work none.
+    assert counted[0] > 10 * took
+
+
+def test_progress_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    told: list[tuple[str, int, int]] = []
+    slow(folder).simulate(model=["sunlight"], progress=lambda *now: told.append(now))
+    assert len({stage for stage, _, _ in told}) > 1 and all(0 <= done <= total for _, done, total in told)
+    slow(folder).simulate(model=["sunlight"], progress=True)
+    said = capsys.readouterr()
+    assert "%" in said.err and said.out == ""
+    slow(folder).inspect()
+    assert capsys.readouterr() == ("", "")
+
+
+def test_what_progress_raises_stops_the_work(folder: Path) -> None:
+    def refuse(stage: str, done: int, total: int) -> None:
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        slow(folder).simulate(folder / "out", progress=refuse)
+    assert not (folder / "out").exists() and not [p for p in folder.iterdir() if p.name.startswith(".")]
+
+
+STOPPED = """
+import signal, sys, mmxrt
+sys.path.insert(0, {tests!r})
+from test_work import slow
+from pathlib import Path
+scene = slow(Path({folder!r}))
+def tell(stage, done, total):
+    print(stage, flush=True)
+try:
+    scene.simulate(Path({folder!r}) / "out", progress=tell)
+except KeyboardInterrupt:
+    print("stopped", flush=True)
+    raise SystemExit(7)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
+def test_ctrl_c_stops_the_work_and_leaves_nothing(folder: Path) -> None:
+    code = STOPPED.format(tests=os.path.dirname(__file__), folder=str(folder))
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline(), "nothing was told"
+        process.send_signal(signal.SIGINT)
+        began = time.monotonic()
+        rest, _ = process.communicate(timeout=60)
+        assert time.monotonic() - began < 20
+    assert process.returncode == 7 and rest.endswith("stopped\n")
+    assert sorted(path.name for path in folder.iterdir()) == ["plate.obj"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
+def test_ctrl_c_stops_the_wheels_command(folder: Path, program: str) -> None:
+    assert run(program, "new", folder / "scene").returncode == 0
+    code = "import sys; from mmxrt._command import main; sys.exit(main())"
+    arguments = ["simulate", folder / "scene" / "scene.toml", "--set", "sensor.samples=1000", "--set", "sensor.lines=1000"]
+    arguments += ["-o", folder / "out"]
+    with subprocess.Popen([sys.executable, "-c", code, *map(str, arguments)], stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(2.0)
+        assert process.poll() is None, process.communicate()
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 1 and "interrupted: nothing was written" in said
+    assert not [p for p in folder.iterdir() if p.name not in ("plate.obj", "scene")]
+
+
+def test_work_in_threads_gives_the_same(folder: Path) -> None:
+    scene, results = mmxrt.Scene(plate(), folder=folder), []
+    threads = [threading.Thread(target=lambda: results.append(scene.simulate().cube.tobytes())) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(results) == 8 and len(set(results)) == 1
