@@ -146,10 +146,10 @@ class Product:
 def held(made: dict[str, Any]) -> Product:
     """A product in memory, of what the native half gives: flat arrays get their shape, which copies nothing."""
     shape = made["shape"]
-    cubes = {name: made[name].reshape(shape) for name in ("cube", "thermal", "dn") if name in made}
+    cubes: dict[str, NDArray[Any]] = {name: made[name].reshape(shape) for name in ("cube", "thermal", "dn") if name in made}
     planes = [(name, unit, values.reshape(shape[1:])) for name, unit, values in made["planes"]]
     bands = made["wavelength_um"], made["fwhm_um"]
-    return Product(json.loads(made["report"]), lambda name: cubes.get(name), lambda: planes, lambda: made.get("table"), lambda: bands, None)
+    return Product(json.loads(made["report"]), cubes.get, lambda: planes, lambda: made.get("table"), lambda: bands, None)
 
 
 def open(path: str | os.PathLike[str]) -> Product:
