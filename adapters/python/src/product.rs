@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use mmxrt::formats::container::Container;
 use mmxrt::formats::envi::{Interleave, Precision};
+use mmxrt::formats::product_cubes::{CubeFormat, CubeFormats};
 use mmxrt::formats::folder;
 use mmxrt::formats::product_folder::{Product, ProductFolder, ProductOptions};
 use mmxrt::formats::radiance_map;
@@ -73,20 +73,22 @@ impl Options {
         let planes_of: Result<Vec<usize>> = (self.planes_of.iter())
             .map(|band| band.checked_sub(1).ok_or_else(|| argument("planes_of", "bands are counted from 1")))
             .collect();
-        let containers = [("netcdf", Container::NetCdf), ("zarr", Container::Zarr), ("fits", Container::Fits)]
-            .map(|(n, c)| (n, Some(c)));
-        let formats = [containers.as_slice(), &[("envi", None), ("exr", None)]].concat();
-        let asked = (self.format.iter())
-            .map(|name| chosen("format", name, &formats))
-            .collect::<Result<Vec<Option<Container>>>>();
-        let asks = |name: &str| self.format.iter().any(|format| format == name);
+        let formats = [
+            ("envi", CubeFormat::Envi),
+            ("pds4", CubeFormat::Pds4),
+            ("netcdf", CubeFormat::Netcdf),
+            ("zarr", CubeFormat::Zarr),
+            ("fits", CubeFormat::Fits),
+            ("exr", CubeFormat::Exr),
+        ];
+        let asked: Result<Vec<CubeFormat>> =
+            self.format.iter().map(|name| chosen("format", name, &formats)).collect();
         match (interleave, precision, quantity, planes_of, asked) {
             (Ok(interleave), Ok(precision), Ok(quantity), Ok(planes_of), Ok(asked)) => Ok(ProductOptions {
                 interleave,
                 precision,
-                envi: asks("envi"),
-                containers: asked.into_iter().flatten().collect(),
-                exr: asks("exr"),
+                formats: CubeFormats::from(asked.as_slice()),
+                exr: asked.contains(&CubeFormat::Exr),
                 footprints: self.footprints,
                 planes_of,
                 table: self.table,

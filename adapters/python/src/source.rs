@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use mmxrt::formats::located::Document;
 use mmxrt::formats::scene_toml::{self, SceneFile};
-use mmxrt::formats::{Setting, Subject};
+use mmxrt::formats::{Reading, Setting, Subject};
 use mmxrt::job;
 use mmxrt::progress::Watch;
 use mmxrt::study::{Choice, Request, WITHIN};
@@ -43,9 +43,10 @@ impl Source {
         if !problems.is_empty() {
             return Err(Error::Invalid(problems));
         }
+        let reading = Reading::from(settings);
         match &self.text {
-            Some(text) => scene_toml::read_text(text.clone(), &self.path, &settings, watch),
-            None => scene_toml::read_with(&self.path, &settings, watch),
+            Some(text) => scene_toml::read_text(text.clone(), &self.path, &reading, watch),
+            None => scene_toml::read_with(&self.path, &reading, watch),
         }
     }
 
