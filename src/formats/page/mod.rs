@@ -64,11 +64,12 @@ impl Page {
     /// # Errors
     /// [`Error::Io`].
     pub fn picture(&mut self, title: &str, path: &Path) -> Result<()> {
-        let bytes = input::bytes(path, u64::MAX)?;
-        if bytes.len() as u64 > MOST_OF_A_PICTURE {
+        let there = std::fs::metadata(path).map_err(|e| Error::io(path, "reading", e))?.len();
+        if there > MOST_OF_A_PICTURE {
             self.warn(format!("{}: too large for this page", path.display()));
             return Ok(());
         }
+        let bytes = input::bytes(path, MOST_OF_A_PICTURE)?;
         self.pictures.push(json!({ "title": title, "png": base64(&bytes) }));
         Ok(())
     }
