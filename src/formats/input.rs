@@ -94,7 +94,7 @@ pub(crate) fn bytes(path: &Path, limit: u64) -> Result<Vec<u8>> {
         // A pipe or device has no length, or a wrong one: the limit applies to what is read.
         let room = usize::try_from(told).unwrap_or(usize::MAX).saturating_add(1);
         bytes.try_reserve_exact(room).map_err(|e| reading(e.into()))?;
-        file.take(limit + 1).read_to_end(&mut bytes).map_err(reading)?;
+        file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(reading)?;
     }
     if told > limit || bytes.len() as u64 > limit {
         let message = format!("is longer than the {limit} bytes that are read of such a file");
