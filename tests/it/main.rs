@@ -36,6 +36,8 @@ mod dart_outline;
 mod dart_output;
 mod dart_read;
 #[cfg(feature = "sqlite")]
+mod dart_sheets;
+#[cfg(feature = "sqlite")]
 mod dart_silence;
 mod dart_terrain;
 mod dart_write;

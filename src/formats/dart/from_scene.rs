@@ -3,6 +3,7 @@
 mod fields;
 mod flown;
 mod optics;
+mod sheets;
 mod surfaces;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -54,10 +55,21 @@ pub struct Package {
 /// An OBJ file's mesh.
 #[derive(Debug, Clone)]
 pub struct ObjectMesh {
-    /// In DART's axes, its own origin.
+    /// In DART's axes, its own origin; a facet's material is its place among the groups.
     pub mesh: Mesh,
-    /// Group of each material; empty for one that no facet is made of.
-    pub groups: Vec<String>,
+    /// Its groups, in the order that DART gives them.
+    pub groups: Vec<ObjectGroup>,
+}
+
+/// Facets of an OBJ file that are made of the same.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ObjectGroup {
+    /// Its name in the file.
+    pub name: String,
+    /// The scene's material.
+    pub front: usize,
+    /// That of the other side, if there is one.
+    pub back: Option<usize>,
 }
 
 /// How large a simulation is.
@@ -156,10 +168,10 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
     let thermal = thermal_functions(scene);
     // Of 5.11 fields are not known.
     let copies = if options.target == TargetVersion::V5_7_4 { &options.copies[..] } else { &[] };
-    let materials = scene.body.materials.len();
     let dart_from_mesh = DAffine3 { matrix3: dart_from_body, translation: origin_in_dart_m };
-    let mut split = fields::split(&mesh, copies, dart_from_mesh, [extent_m.x, extent_m.y], materials);
-    let surfaces = surfaces(split.rest.take().unwrap_or(mesh), materials);
+    let mut split = fields::split(&mesh, copies, dart_from_mesh, [extent_m.x, extent_m.y]);
+    let faces = sidecar::runs_in_order(&scene.body.mesh, &sheets::as_read(&mesh));
+    let surfaces = surfaces(split.rest.take().unwrap_or(mesh));
     let bands = intervals(scene, &thermal);
     let irradiance = sunlight(scene).into_iter().map(|e| Some((e, 0.0))).collect();
     let camera = site.camera();
@@ -206,17 +218,35 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
         ObjectField { name, file, models: vec![model], places, at: Location::item("mesh") }
     };
     simulation.fields = split.fields.iter().enumerate().map(field).collect();
-    let size = Size::of(&simulation, scene.body.mesh.facets.len() as u64, extent_m.z);
+    let of_surfaces: usize = surfaces.iter().map(|surface| surface.mesh.facets.len()).sum();
+    let of_field = |field: &fields::Field| field.places.len() * field.surface.mesh.facets.len();
+    let facets = of_surfaces + split.fields.iter().map(of_field).sum::<usize>();
+    let backs = scene.body.mesh.facets.len().saturating_sub(facets);
+    let size = Size::of(&simulation, facets as u64, extent_m.z);
     let mut sidecar = Sidecar::of(scene, origin_in_dart_m);
-    if !simulation.fields.is_empty() {
-        sidecar.forget_faces();
-    }
+    let faces = faces.filter(|_| simulation.fields.is_empty());
+    sidecar.take_faces(faces.clone());
     site.field_notes(&simulation, &split, &mut report);
-    site.notes(&simulation, &size, options, &mut report);
+    sheet_notes(backs, options.target, &mut report);
+    site.notes(&simulation, &size, options, faces.as_deref(), &mut report);
     let mars = site.by_mars(&simulation, &mut report);
     let databases = databases(scene, &names);
     let fields = split.fields.into_iter().map(|field| field.surface).collect();
     Ok((Package { simulation, surfaces, fields, databases, mars, sidecar: Some(sidecar), size }, report))
+}
+
+/// What became of facets that are the other side of one.
+fn sheet_notes(backs: usize, target: TargetVersion, report: &mut Report) {
+    if backs == 0 {
+        return;
+    }
+    let (item, mut message) = (Location::item("mesh"), format!("{backs} facets are another one turned round: "));
+    message += "they are its back in DART (`doubleFace`)";
+    report.note(Fate::Carried, item.clone(), message);
+    if target == TargetVersion::V5_11_0 {
+        let message = "how 5.11 has properties of a back is inferred from 5.7.4, not documented";
+        report.note(Fate::Approximated, item, message);
+    }
 }
 
 /// What cells hold all of a surface of this size, m.
@@ -279,22 +309,22 @@ struct Site<'a> {
 
 impl Site<'_> {
     /// The object of the OBJ file with this number, from 0.
-    fn object(&self, number: usize, groups: &[String], target: TargetVersion, links: &[Links]) -> Object {
+    fn object(&self, number: usize, groups: &[ObjectGroup], target: TargetVersion, links: &[Links]) -> Object {
         let name = if number == 0 { SURFACE.into() } else { format!("{SURFACE}_{}", number + 1) };
-        let used: Vec<usize> = (0..groups.len()).filter(|m| !groups[*m].is_empty()).collect();
-        // Of an OBJ with one group 5.7 wants no list; what 5.11 wants is known with a list only.
-        let whole =
-            if target == TargetVersion::V5_7_4 && used.len() == 1 { Some(links[used[0]].clone()) } else { None };
-        let group = |(i, &material): (usize, &usize)| Group {
+        let group = |(i, ObjectGroup { name, front, back }): (usize, &ObjectGroup)| Group {
             number: index_u32(i) + 1,
-            name: groups[material].clone(),
+            name: name.clone(),
             hidden: false,
-            double_face: false,
-            links: Some(links[material].clone()),
-            back: None,
+            double_face: back.is_some(),
+            links: Some(links[*front].clone()),
+            back: back.map(|back| links[back].clone()),
             at: Location::item("mesh"),
         };
-        let groups = if whole.is_some() { Vec::new() } else { used.iter().enumerate().map(group).collect() };
+        let mut groups: Vec<Group> = groups.iter().enumerate().map(group).collect();
+        // Of an OBJ with one group 5.7 wants no list; what 5.11 wants is known with a list only.
+        let whole = if target == TargetVersion::V5_7_4 && groups.len() == 1 { groups.pop() } else { None };
+        let double_face = whole.as_ref().is_some_and(|whole| whole.double_face);
+        let (links, back) = whole.map_or((None, None), |whole| (whole.links, whole.back));
         Object {
             file: format!("obj/{name}.obj"),
             name,
@@ -304,9 +334,9 @@ impl Site<'_> {
             dem_mode: 2,
             hidden: false,
             repeated_on_border: false,
-            double_face: false,
-            links: whole,
-            back: None,
+            double_face,
+            links,
+            back,
             groups,
             at: Location::item("mesh"),
         }
@@ -466,7 +496,15 @@ impl Site<'_> {
     }
 
     /// What became of what DART has no exact counterpart for.
-    fn notes(&self, simulation: &Simulation, size: &Size, options: &SimulationOptions, report: &mut Report) {
+    /// `faces`: runs of faces that are read back, if they are.
+    fn notes(
+        &self,
+        simulation: &Simulation,
+        size: &Size,
+        options: &SimulationOptions,
+        faces: Option<&[(u32, u32)]>,
+        report: &mut Report,
+    ) {
         let scene = self.scene;
         let item = Location::item;
         let camera = &scene.exposure.camera;
@@ -581,11 +619,9 @@ impl Site<'_> {
             let message = format!("{files} OBJ files: the groups of one are told apart up to {GROUPS} materials");
             report.note(Fate::Carried, item("mesh"), message);
         }
-        match sidecar::runs_of_faces(&scene.body.mesh) {
-            Some(runs) if runs.is_empty() => {}
-            Some(_) if files == 1 && simulation.fields.is_empty() => {
-                report.note(Fate::Carried, item("mesh"), "which face each triangle was cut from")
-            }
+        match faces {
+            _ if scene.body.mesh.face_of_facet.is_empty() => {}
+            Some(_) if files == 1 => report.note(Fate::Carried, item("mesh"), "which face each triangle was cut from"),
             _ => report.note(
                 Fate::Dropped,
                 item("mesh"),

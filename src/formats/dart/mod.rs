@@ -32,7 +32,7 @@ mod write;
 pub use check::{Finding, Severity, SummaryOf, TableSummary, check, no_summary};
 pub use diff::{diff, differences};
 pub use folder::Folder;
-pub use from_scene::{ObjectMesh, Package, SimulationOptions, Size, add_flight, from_scene, group_names};
+pub use from_scene::{ObjectGroup, ObjectMesh, Package, SimulationOptions, Size, add_flight, from_scene, group_names};
 pub use inputs::{TargetVersion, inputs};
 pub use place::{placed, scene_from_dart};
 pub use read::sequence::{Step, flight, rows};

@@ -511,9 +511,9 @@ impl Sidecar {
         })
     }
 
-    /// For facets that are written in another order.
-    pub(super) fn forget_faces(&mut self) {
-        self.faces = Vec::new();
+    /// For facets that are read back in another order than the scene's: the runs of faces in that order, or none.
+    pub(super) fn take_faces(&mut self, runs: Option<Vec<(u32, u32)>>) {
+        self.faces = runs.unwrap_or_default();
     }
 
     /// The face that each of so many facets was cut from; empty if each is its own, or if the runs are of other facets.
@@ -569,6 +569,24 @@ fn lamp_part(beam: &Beam) -> LampPart {
         total_irradiance_w_m2: beam.total_irradiance_w_m2,
         irradiance: Table::of(&beam.irradiance),
     }
+}
+
+/// As [`runs_of_faces`], of facets in this order, in which faces have other numbers.
+pub(super) fn runs_in_order(mesh: &Mesh, order: &[u32]) -> Option<Vec<(u32, u32)>> {
+    if mesh.face_of_facet.is_empty() {
+        return Some(Vec::new());
+    }
+    let face = |f: &u32| mesh.face(*f as usize);
+    let (mut faces, mut face_of_facet) = (Vec::new(), Vec::new());
+    for facets in order.chunk_by(|a, b| face(a) == face(b)) {
+        face_of_facet.extend(std::iter::repeat_n(index_u32(faces.len()), facets.len()));
+        faces.push(face(&facets[0]));
+    }
+    let count = faces.len();
+    faces.sort_unstable();
+    faces.dedup();
+    // A face in two pieces would become two.
+    (faces.len() == count).then(|| runs_of_faces(&Mesh { face_of_facet, ..Mesh::default() })).flatten()
 }
 
 /// Faces 0, 1, 2 ... of several facets each, as runs of faces with equally many facets; `None` if they are in another order.

@@ -171,6 +171,13 @@ pub struct Object {
     pub at: Location,
 }
 
+impl Object {
+    /// Whether it says what some of its backs are made of.
+    pub fn has_backs(&self) -> bool {
+        self.back.is_some() || self.groups.iter().any(|group| group.back.is_some())
+    }
+}
+
 /// A group of an object, bound to the OBJ's groups by its number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {

@@ -365,11 +365,14 @@ impl SceneBuilder<'_> {
         Ok((materials, material_of))
     }
 
-    /// Links of visible objects.
+    /// Links of visible objects, those of their backs too.
     fn links(&self) -> impl Iterator<Item = &Links> {
         let models = self.simulation.fields.iter().flat_map(|f| &f.models);
         let objects = self.simulation.objects.iter().chain(models).filter(|o| !o.hidden);
-        objects.flat_map(|o| o.links.iter().chain(o.groups.iter().filter_map(|g| g.links.as_ref())))
+        objects.flat_map(|o| {
+            let of_groups = o.groups.iter().flat_map(|g| g.links.iter().chain(&g.back));
+            o.links.iter().chain(&o.back).chain(of_groups)
+        })
     }
 
     /// Place of the linked property in the simulation's list.

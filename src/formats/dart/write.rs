@@ -61,7 +61,7 @@ fn fill(package: &Package, folder: &Path, watch: Watch<'_>) -> Result<()> {
         let writing = |e| Error::io(&path, "writing", e);
         make_folder(path.parent().unwrap_or(folder))?;
         let mut out = BufWriter::new(File::create(&path).map_err(writing)?);
-        let group = |material: usize| surface.groups.get(material).map_or("", String::as_str);
+        let group = |place: usize| surface.groups.get(place).map_or("", |group| group.name.as_str());
         obj::write_by(&mut out, &surface.mesh, "g", group, frame::obj_from_dart).map_err(writing)?;
         out.into_inner().map_err(|e| writing(e.into_error()))?;
         tell(watch, "writing the simulation", 0, 1)?;

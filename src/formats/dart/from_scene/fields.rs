@@ -28,20 +28,14 @@ pub(super) struct Split {
     pub(super) outside: usize,
 }
 
-/// Splits a mesh of `materials` materials; `dart_from_mesh` leads to DART's frame, whose scene has this size, m.
-pub(super) fn split(
-    mesh: &Mesh,
-    copies: &[Copies],
-    dart_from_mesh: DAffine3,
-    size_m: [f64; 2],
-    materials: usize,
-) -> Split {
+/// Splits a mesh; `dart_from_mesh` leads to DART's frame, whose scene has this size, m.
+pub(super) fn split(mesh: &Mesh, copies: &[Copies], dart_from_mesh: DAffine3, size_m: [f64; 2]) -> Split {
     let mut split = Split { fields: Vec::new(), rest: None, sheared: 0, outside: 0 };
     let mut is_rest = vec![true; mesh.facets.len()];
     for copies in copies {
         let each = copies.model.facets.len();
         // More materials than a file has groups: as parts of the surface, which then are several files.
-        let [surface] = &mut surfaces(copies.model.clone(), materials)[..] else { continue };
+        let [surface] = &mut surfaces(copies.model.clone())[..] else { continue };
         let mut places = Vec::new();
         for (i, place) in copies.places.iter().enumerate() {
             let place = dart_from_mesh * *place;
@@ -57,7 +51,6 @@ pub(super) fn split(
             }
         }
         if !places.is_empty() {
-            surface.mesh.face_of_facet = Vec::new();
             split.fields.push(Field { surface: std::mem::replace(surface, no_mesh()), places });
         }
     }

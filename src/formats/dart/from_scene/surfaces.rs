@@ -1,51 +1,48 @@
-//! A mesh as OBJ files, whose groups are its materials.
+//! A mesh as OBJ files, whose groups are its materials, and those of its backs.
 
-use crate::geometry::{Mesh, index_u32};
+use crate::geometry::{MaterialId, Mesh, index_u32};
 
-use super::ObjectMesh;
+use super::sheets::sheets;
+use super::{ObjectGroup, ObjectMesh};
 
 /// An OBJ file can distinguish this many groups.
 pub(super) const GROUPS: usize = 676;
 
-/// The surface as OBJ files, each with a group for each of its materials; one file unless there are more than [`GROUPS`].
-pub(super) fn surfaces(mesh: Mesh, materials: usize) -> Vec<ObjectMesh> {
-    let mut is_used = vec![false; materials];
-    mesh.material.iter().for_each(|m| is_used[m.0 as usize] = true);
-    let used: Vec<usize> = (0..materials).filter(|m| is_used[*m]).collect();
-    let groups = |batch: &[usize]| {
-        let mut groups = vec![String::new(); materials];
-        let names = group_names(batch.len()).unwrap_or_default();
-        batch.iter().zip(names).for_each(|(material, name)| groups[*material] = name);
-        groups
-    };
-    if used.len() <= GROUPS {
-        return vec![ObjectMesh { groups: groups(&used), mesh }];
+/// The surface as OBJ files, each with a group for each of its materials, and for each pair of them on the two sides of sheets; one
+/// file unless there are more than [`GROUPS`].
+pub(super) fn surfaces(mesh: Mesh) -> Vec<ObjectMesh> {
+    let pairs = sheets(&mesh);
+    let mut back_of = vec![None; if pairs.is_empty() { 0 } else { mesh.facets.len() }];
+    let mut is_back = vec![false; back_of.len()];
+    for (front, back) in pairs {
+        back_of[front as usize] = Some(usize::from(mesh.material[back as usize].0));
+        is_back[back as usize] = true;
     }
-    let part = |batch: &[usize]| {
-        let groups = groups(batch);
-        ObjectMesh { mesh: part(&mesh, |material| !groups[material].is_empty()), groups }
-    };
-    used.chunks(GROUPS).map(part).collect()
+    let sides = |f: usize| (usize::from(mesh.material[f].0), back_of.get(f).copied().flatten());
+    let is_front = |f: &usize| !is_back.get(*f).copied().unwrap_or(false);
+    let fronts = || (0..mesh.facets.len()).filter(is_front);
+    let mut kinds: Vec<(usize, Option<usize>)> = fronts().map(sides).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let group_of = |f: usize| kinds.partition_point(|kind| *kind < sides(f));
+    let batches = kinds.chunks(GROUPS).enumerate().map(|(number, batch)| {
+        let first = number * GROUPS;
+        let is_of_it = |f: &usize| (first..first + batch.len()).contains(&group_of(*f));
+        let facets: Vec<u32> = fronts().filter(is_of_it).map(index_u32).collect();
+        // All of it stays as it is, with vertices that no facet has.
+        let part = if facets.len() == mesh.facets.len() { mesh.clone() } else { mesh.part(&facets) };
+        let material = facets.iter().map(|f| group_id(group_of(*f as usize) - first)).collect();
+        let names = group_names(batch.len()).unwrap_or_default();
+        let group = |(&(front, back), name)| ObjectGroup { name, front, back };
+        let groups = batch.iter().zip(names).map(group).collect();
+        ObjectMesh { mesh: Mesh { material, face_of_facet: Vec::new(), ..part }, groups }
+    });
+    batches.collect()
 }
 
-/// The facets of some materials, with the vertices that these have.
-fn part(mesh: &Mesh, is_of_it: impl Fn(usize) -> bool) -> Mesh {
-    let mut part = Mesh::default();
-    let mut place = vec![u32::MAX; mesh.vertices_m.len()];
-    for (facet, material) in mesh.facets.iter().zip(&mesh.material).filter(|(_, m)| is_of_it(usize::from(m.0))) {
-        let corner = |v: u32| {
-            let place = &mut place[v as usize];
-            if *place == u32::MAX {
-                *place = index_u32(part.vertices_m.len());
-                part.vertices_m.push(mesh.vertices_m[v as usize]);
-            }
-            *place
-        };
-        let corners = facet.map(corner);
-        part.facets.push(corners);
-        part.material.push(*material);
-    }
-    part
+/// A group within a file, of which there are at most [`GROUPS`].
+fn group_id(group: usize) -> MaterialId {
+    MaterialId(u16::try_from(group).unwrap_or(u16::MAX))
 }
 
 /// So many names of groups whose order DART's versions agree about: alphabetical, and that of a Java hash map.

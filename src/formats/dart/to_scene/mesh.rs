@@ -7,14 +7,14 @@ use crate::error::{Error, Location, Result};
 use crate::formats::input::{self, Hashing};
 use crate::formats::mesh_file::MOST;
 use crate::formats::obj::{self, ObjFile};
-use crate::geometry::{MaterialId, Mesh};
+use crate::geometry::{MaterialId, Mesh, index_u32};
 use crate::progress::tell;
 use crate::report::{Fate, Report};
 
 use super::super::ground::{Ground, Standing};
 use super::super::groups;
 use super::super::object::{reaches_beyond, seen_facets, standing};
-use super::super::simulation::Object;
+use super::super::simulation::{Links, Object};
 use super::{SceneBuilder, SceneFrame};
 
 impl SceneBuilder<'_> {
@@ -66,7 +66,8 @@ impl SceneBuilder<'_> {
         let (mut vertices, mut facets) = (0, 0);
         for object in placed().filter(|object| !object.hidden) {
             let read = self.obj(&object)?;
-            (vertices, facets) = (vertices + read.vertices.len(), facets + read.facets.len());
+            let sides = if object.has_backs() { 2 } else { 1 };
+            (vertices, facets) = (vertices + read.vertices.len(), facets + sides * read.facets.len());
             if vertices.max(facets) > MOST {
                 let message = format!("with {:?} there are more than {MOST} vertices or facets", object.name);
                 return Err(Error::invalid(object.at.clone(), message));
@@ -117,29 +118,32 @@ impl SceneBuilder<'_> {
     fn object(&mut self, object: &Object, material_of: &[Option<usize>]) -> Result<Mesh> {
         let read = self.obj(object)?;
         let numbered = groups::order(&read.groups, &self.simulation.version);
-        let mut links_of_group = vec![object.links.as_ref(); read.groups.len().max(1)];
+        let mut sides_of_group = vec![(object.links.as_ref(), object.back.as_ref()); read.groups.len().max(1)];
         for group in &object.groups {
             let Some(&place) = (group.number as usize).checked_sub(1).and_then(|n| numbered.get(n)) else {
                 let message =
                     format!("group {} ({:?}): the OBJ has {} groups", group.number, group.name, numbered.len());
                 return Err(Error::invalid(group.at.clone(), message));
             };
-            links_of_group[place] = group.links.as_ref().or(object.links.as_ref());
-            if group.double_face || object.double_face {
-                self.note(Fate::Dropped, &group.at, format!("the back of {:?}: backs are black", group.name));
+            if group.links.is_some() {
+                sides_of_group[place] = (group.links.as_ref(), group.back.as_ref());
+                self.unsaid_back(group.double_face && group.back.is_none(), &group.at, &group.name);
             }
         }
-        if object.groups.is_empty() && object.double_face {
-            self.note(Fate::Dropped, &object.at, format!("the back of {:?}: backs are black", object.name));
-        }
+        self.unsaid_back(
+            object.links.is_some() && object.double_face && object.back.is_none(),
+            &object.at,
+            &object.name,
+        );
         let mut material_of_group = Vec::new();
-        for (i, links) in links_of_group.iter().enumerate() {
-            let Some(links) = links else {
+        for (i, (front, back)) in sides_of_group.into_iter().enumerate() {
+            let Some(front) = front else {
                 let name = read.groups.get(i).map_or("", String::as_str);
                 let message = format!("nothing says what group {name:?} of {:?} is made of", object.file);
                 return Err(Error::invalid(object.at.clone(), message));
             };
-            material_of_group.push(material_id(material_of[self.property(links)?], &links.at)?);
+            let of = |links: &Links| material_id(material_of[self.property(links)?], &links.at);
+            material_of_group.push((of(front)?, back.map(of).transpose()?));
         }
         if object.rotation_deg.x != 0.0 || object.rotation_deg.y != 0.0 {
             let message = "rotations about more than the vertical: their order is inferred, not documented";
@@ -151,12 +155,40 @@ impl SceneBuilder<'_> {
             self.note(Fate::Dropped, &object.at, message);
         }
         let seen = seen_facets(object, &read, &self.simulation.version);
-        let material = seen.iter().map(|f| match read.facet_group.get(*f) {
+        let sides = seen.iter().map(|f| match read.facet_group.get(*f) {
             Some(group) => material_of_group[*group as usize],
             None => material_of_group[0],
         });
-        Ok(Mesh { material: material.collect(), ..standing(object, &read, &seen) })
+        let (fronts, backs): (Vec<MaterialId>, Vec<Option<MaterialId>>) = sides.unzip();
+        Ok(with_backs(Mesh { material: fronts, ..standing(object, &read, &seen) }, &backs))
     }
+
+    fn unsaid_back(&mut self, is_unsaid: bool, at: &Location, name: &str) {
+        if is_unsaid {
+            let message = format!("the back of {name:?}: nothing says what it is made of, and backs are black");
+            self.note(Fate::Dropped, at, message);
+        }
+    }
+}
+
+/// A mesh and the backs of its facets, after all of them: a facet's other side is the same triangle turned round.
+fn with_backs(mut mesh: Mesh, backs: &[Option<MaterialId>]) -> Mesh {
+    let sides = backs.iter().enumerate().filter_map(|(front, back)| Some((index_u32(front), (*back)?)));
+    let (fronts, materials): (Vec<u32>, Vec<MaterialId>) = sides.unzip();
+    if fronts.is_empty() {
+        return mesh;
+    }
+    let before = (0..mesh.facets.len()).map(|f| mesh.face(f)).max().map_or(0, |face| face + 1);
+    if !mesh.face_of_facet.is_empty() {
+        let faces: Vec<u32> = fronts.iter().map(|f| before + mesh.face(*f as usize)).collect();
+        mesh.face_of_facet.extend(faces);
+    }
+    for front in fronts {
+        let [a, b, c] = mesh.facets[front as usize];
+        mesh.facets.push([a, c, b]);
+    }
+    mesh.material.extend(materials);
+    mesh
 }
 
 /// Objects that reach beyond the scene's edges, where there are no copies: those that DART lets come in at the other side, and others.
