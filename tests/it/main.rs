@@ -29,6 +29,8 @@ mod convert;
 mod containers;
 mod coregister;
 #[cfg(feature = "sqlite")]
+mod dart_cameras;
+#[cfg(feature = "sqlite")]
 mod dart_database;
 #[cfg(feature = "sqlite")]
 mod dart_mandatory;

@@ -9,7 +9,8 @@ use crate::error::{Error, Location, Problem, Result};
 use crate::formats::dart::{self, Finding, Severity, SimulationOptions, Step, TableSummary, database::Database};
 use crate::formats::dart::{SceneOptions, TargetVersion};
 use crate::formats::input::InputFile;
-use crate::geometry::Copies;
+use crate::formats::scene_toml;
+use crate::geometry::{Copies, FrameCamera};
 use crate::physics::reflectance::ALL_LIGHT;
 use crate::progress::{Watch, unwatched};
 use crate::report::{Fate, Report};
@@ -37,12 +38,19 @@ fn reading(options: &Options) -> Result<dart::ReadOptions> {
     })
 }
 
+/// What a simulation is here.
+pub(super) struct Read {
+    /// As the first camera sees it.
+    pub(super) scene: Scene,
+    pub(super) flights: Flights,
+    /// What else looks at it.
+    pub(super) cameras: Vec<(FrameCamera, Location)>,
+    pub(super) report: Report,
+    pub(super) inputs: Vec<InputFile>,
+}
+
 /// The scene of a simulation, and what flies over it.
-pub(super) fn read(
-    path: &Path,
-    options: &Options,
-    watch: Watch<'_>,
-) -> Result<(Scene, Flights, Report, Vec<InputFile>)> {
+pub(super) fn read(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Read> {
     let reading = reading(options)?;
     let (simulation, mut report, mut inputs) = dart::read(path, &reading)?;
     let to_scene = SceneOptions { origin_m: options.origin_m, repeat: options.repeat };
@@ -55,7 +63,8 @@ pub(super) fn read(
         report.notes.extend(more.notes);
         flights.push((sequence.name.clone(), steps));
     }
-    Ok((converted.scene, flights, report, inputs))
+    let dart::Converted { scene, cameras, .. } = converted;
+    Ok(Read { scene, flights, cameras, report, inputs })
 }
 
 /// The simulation of a scene, not written yet.
@@ -98,7 +107,7 @@ pub(super) fn diff(a: &Path, b: &Path, options: &Options, watch: Watch<'_>) -> R
     let reading = reading(options)?;
     let mut lines = dart::differences(a, b, &reading)?;
     let content = |path: &Path| -> Result<Content> {
-        let (scene, flights, ..) = read(path, options, watch)?;
+        let Read { scene, flights, .. } = read(path, options, watch)?;
         Ok(Content::Scene(Box::new(scene), flights))
     };
     match (content(a), content(b)) {
@@ -145,10 +154,10 @@ fn mars(path: &Path, options: &Options) -> Vec<Finding> {
         dart::has_mars(&folder) || folder.simulation.join(dart::MARS).join("input").is_dir()
     });
     // Problems in the other parts are reported when those are read.
-    let Some((_, _, report, _)) = has_mars.then(|| read(path, options, &unwatched).ok()).flatten() else {
+    let Some(read) = has_mars.then(|| read(path, options, &unwatched).ok()).flatten() else {
         return Vec::new();
     };
-    let of_mars = report.notes.into_iter().filter(|note| note.at.item.as_deref() == Some("mars"));
+    let of_mars = read.report.notes.into_iter().filter(|note| note.at.item.as_deref() == Some("mars"));
     let finding = |note: crate::report::Note| Finding {
         severity: Severity::Warning,
         at: Location::file(path.join(dart::MARS)),
@@ -295,4 +304,20 @@ pub(super) fn flight_csv(steps: &[Step]) -> String {
 pub(super) fn carried(name: &str, steps: usize, file: &str, at: Location, report: &mut Report) {
     let message = format!("sequence {name:?}: the Sun and cameras of its {steps} simulations are in {file}");
     report.note(Fate::Carried, at, message);
+}
+
+/// Says that a scene has no place for these cameras.
+pub(super) fn left_out(cameras: &[(FrameCamera, Location)], report: &mut Report) {
+    for (_, at) in cameras {
+        report.note(Fate::Dropped, at.clone(), "a scene has one camera: this is not the first");
+    }
+}
+
+/// Says which scene file further cameras have.
+pub(super) fn with_cameras(cameras: &[(FrameCamera, Location)], path: &Path, report: &mut Report) {
+    for (i, (_, at)) in cameras.iter().enumerate() {
+        let file = super::file_name(&scene_toml::path_of_camera(path, i + 2));
+        let message = format!("a scene has one camera: that of this one, camera {}, is {file}", i + 2);
+        report.note(Fate::Carried, at.clone(), message);
+    }
 }

@@ -17,7 +17,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Location, Problem, Result};
 use crate::flight::LeapSeconds;
-use crate::geometry::Copies;
+use crate::geometry::{Copies, FrameCamera};
 use crate::progress::{Watch, tell};
 use crate::report::{Fate, Report};
 use crate::scene::{Motion, Photometry, Scene, Timing};
@@ -160,14 +160,18 @@ pub fn convert(input: &Path, output: &Path, options: &Options, watch: Watch<'_>)
     if *from == BLEND && *to == SCENE_FORMAT {
         return of_blender(input, output, options, watch);
     }
-    let Contents { content, copies, mut report, sources, .. } = read_all(input, options, watch)?;
+    let Contents { content, copies, cameras, mut report, sources, .. } = read_all(input, options, watch)?;
+    if !matches!(to.holds, Holds::Scene) {
+        dart::left_out(&cameras, &mut report);
+    }
     tell(watch, "converting", 0, 1)?;
     let mut size = match &content {
         Content::Raster(raster) if !options.image_bands.is_empty() => raster_size(raster, options.image_bands.len()),
         _ => content.size(),
     };
-    let (copies, sources) = (&copies[..], &sources[..]);
-    let job = Job { input, from, output, options, sources, copies, report: &mut report, size: &mut size, watch };
+    let (copies, cameras, sources) = (&copies[..], &cameras[..], &sources[..]);
+    let (report_of, size_of) = (&mut report, &mut size);
+    let job = Job { input, from, output, options, sources, copies, cameras, report: report_of, size: size_of, watch };
     let written = job.write(content, to).map_err(|e| of_input(e, input))?;
     for note in &mut report.notes {
         // What is known without the file is of the input.
@@ -356,7 +360,8 @@ fn of_input(error: Error, input: &Path) -> Error {
 /// # Errors
 /// Those of the format's reader; [`Error::Invalid`] if the format is not recognised.
 pub fn read(input: &Path, options: &Options, watch: Watch<'_>) -> Result<(&'static Format, Content, Report)> {
-    let Contents { format, content, report, .. } = read_all(input, options, watch)?;
+    let Contents { format, content, cameras, mut report, .. } = read_all(input, options, watch)?;
+    dart::left_out(&cameras, &mut report);
     Ok((format, content, report))
 }
 
@@ -366,6 +371,8 @@ struct Contents {
     content: Content,
     /// Which facets of a scene are copies of a mesh.
     copies: Vec<Copies>,
+    /// What looks at a scene besides its own camera.
+    cameras: Vec<(FrameCamera, Location)>,
     report: Report,
     /// The files that were read.
     sources: Vec<PathBuf>,
@@ -385,7 +392,7 @@ fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<Content
     let Options { origin_m, unit_m, up, pose, flip, .. } = *options;
     let placing = Placing { origin_m, unit_m, up, pose, flip };
     let mut sources = vec![path.clone()];
-    let mut copies = Vec::new();
+    let (mut copies, mut cameras) = (Vec::new(), Vec::new());
     let mut read_from = |inputs: &[InputFile]| sources.extend(inputs.iter().map(|input| input.path.clone()));
     let (content, report) = match format.holds {
         Holds::Scene => {
@@ -423,9 +430,10 @@ fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<Content
             (Content::Mesh(surface), report)
         }
         Holds::Simulation => {
-            let (scene, flights, report, inputs) = dart::read(&path, options, watch)?;
-            read_from(&inputs);
-            (Content::Scene(Box::new(scene), flights), report)
+            let read = dart::read(&path, options, watch)?;
+            read_from(&read.inputs);
+            cameras = read.cameras;
+            (Content::Scene(Box::new(read.scene), read.flights), read.report)
         }
         Holds::Spectra { read, .. } => {
             let (libraries, mut report) = match path.is_dir() {
@@ -449,7 +457,7 @@ fn read_all(input: &Path, options: &Options, watch: Watch<'_>) -> Result<Content
             (Content::Flight(Box::new(file)), report)
         }
     };
-    Ok(Contents { format, content, copies, report, sources })
+    Ok(Contents { format, content, copies, cameras, report, sources })
 }
 
 /// What two files or folders differ in, by meaning: one line each.
@@ -553,6 +561,8 @@ struct Job<'a> {
     sources: &'a [PathBuf],
     /// Which facets of a scene are copies of a mesh.
     copies: &'a [Copies],
+    /// What looks at a scene besides its own camera.
+    cameras: &'a [(FrameCamera, Location)],
     report: &'a mut Report,
     /// How much is converted, in words.
     size: &'a mut String,
@@ -661,7 +671,9 @@ impl Job<'_> {
             None => e,
         };
         let axes = if self.options.pose == Some(NamedPose::Radial) { Axes::Site } else { Axes::Body };
-        let options = WriteOptions { replace: self.options.replace, unsaid, axes };
+        let cameras = self.cameras.iter().map(|(camera, _)| camera.clone()).collect();
+        let options = WriteOptions { replace: self.options.replace, unsaid, axes, cameras };
+        dart::with_cameras(self.cameras, &path, self.report);
         let (mut files, report) = scene_toml::write_with(scene, &path, &options).map_err(named)?;
         self.report.notes.extend(report.notes);
         for texture in &scene.body.textures {

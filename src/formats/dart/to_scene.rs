@@ -45,8 +45,10 @@ pub struct SceneOptions {
 /// A scene, and how it came about.
 #[derive(Debug, Clone)]
 pub struct Converted {
-    /// The scene, checked.
+    /// The scene, checked, as the first camera sees it.
     pub scene: Scene,
+    /// What else looks at it, and where that stands.
+    pub cameras: Vec<(FrameCamera, Location)>,
     /// What has no counterpart, and the defaults for what the simulation does not state.
     pub report: Report,
     /// Files that were read: the OBJ files, databases, and `mmxrt.toml`.
@@ -89,8 +91,8 @@ pub fn to_scene(
         reader.inputs.push(input);
         reader.sidecar = Some(sidecar);
     }
-    let scene = reader.scene()?;
-    Ok(Converted { scene, report: reader.report, inputs: reader.inputs })
+    let (scene, cameras) = reader.scene()?;
+    Ok(Converted { scene, cameras, report: reader.report, inputs: reader.inputs })
 }
 
 struct SceneBuilder<'a> {
@@ -112,7 +114,7 @@ impl SceneBuilder<'_> {
         self.report.note(fate, at.clone(), message);
     }
 
-    fn scene(&mut self) -> Result<Scene> {
+    fn scene(&mut self) -> Result<(Scene, Vec<(FrameCamera, Location)>)> {
         let place = self.place();
         self.wavelengths()?;
         let bands = self.bands();
@@ -120,6 +122,8 @@ impl SceneBuilder<'_> {
         let (materials, material_of) = self.materials(&bands)?;
         let mesh = self.mesh(&place, &material_of)?;
         let camera = self.camera(&place, &mesh);
+        let others = self.simulation.phase.cameras.iter().skip(1);
+        let others = others.map(|other| (self.pinhole(other, &place), other.at.clone())).collect();
         let name = self.sidecar.as_ref().map_or("DART camera", Sidecar::sensor_name).to_owned();
         let exposure = Exposure { instrument: name, camera, bands, spectrometer: Spectrometer::default() };
         let sky = self.sky(sun, &place);
@@ -134,7 +138,7 @@ impl SceneBuilder<'_> {
             },
         };
         let scene = self.with_mars(scene, &place);
-        Scene::new(self.with_thermal(scene))
+        Ok((Scene::new(self.with_thermal(scene))?, others))
     }
 
     /// The sky under this Sun, with what was written beside the simulation for this place.
@@ -566,6 +570,7 @@ impl SceneBuilder<'_> {
         Ok(self.databases.get(name).and_then(Option::as_ref))
     }
 
+    /// The first camera.
     fn camera(&mut self, place: &SceneFrame, mesh: &Mesh) -> FrameCamera {
         let simulation = self.simulation;
         let Some(camera) = simulation.phase.cameras.first() else {
@@ -580,9 +585,11 @@ impl SceneBuilder<'_> {
             let world_from_sensor = Pose { rotation, translation_m: centre_m };
             return FrameCamera::centred(world_from_sensor, 256, 256, 1.0 / (CAMERA_DISTANCE * 256.0));
         };
-        for other in &simulation.phase.cameras[1..] {
-            self.note(Fate::Dropped, &other.at, "a scene has one camera: this is not the first");
-        }
+        self.other_views(place, mesh);
+        self.pinhole(camera, place)
+    }
+
+    fn pinhole(&mut self, camera: &Pinhole, place: &SceneFrame) -> FrameCamera {
         let pitch = |angle_deg: f64, pixels: u32| FrameCamera::pitch_of_angle(angle_deg.to_radians(), pixels.max(1));
         let [width_deg, height_deg] = camera.field_of_view_deg;
         let [samples, lines] = camera.pixels;
@@ -598,7 +605,6 @@ impl SceneBuilder<'_> {
             let message = "a turn about the line of sight: which way DART turns is not known; taken is clockwise as seen along it";
             self.note(Fate::Approximated, &camera.at, message);
         }
-        self.other_views(camera, place, mesh);
         let given = || place.dart_from_body.transpose() * frame::camera_rotation(camera.look_deg, camera.roll_deg);
         let rotation = kept.unwrap_or_else(given);
         let world_from_sensor = Pose { rotation, translation_m: place.local_m(camera.position_m) };
@@ -606,16 +612,20 @@ impl SceneBuilder<'_> {
         if is_square { centred } else { FrameCamera { pitch: [across, down], ..centred } }
     }
 
-    /// Parallel views: one from the scene's middle towards the camera is the camera's own.
-    fn other_views(&mut self, camera: &Pinhole, place: &SceneFrame, mesh: &Mesh) {
+    /// Parallel views: one from the scene's middle towards a camera is that camera's own.
+    fn other_views(&mut self, place: &SceneFrame, mesh: &Mesh) {
         let directions = &self.simulation.directions;
         let dart_m =
             |f: &[u32; 3]| f.map(|v| place.dart_from_body * mesh.vertices_m[v as usize] + place.origin_in_dart_m);
         let mut corners_m = mesh.facets.iter().flat_map(dart_m);
         let first_m = corners_m.next().unwrap_or_default();
         let (low_m, high_m) = corners_m.fold((first_m, first_m), |(lo, hi), v| (lo.min(v), hi.max(v)));
-        let towards = camera.position_m - 0.5 * (low_m + high_m);
-        let is_camera = |view: &&[f64; 2]| crate::geometry::angle_rad(frame::vector(**view), towards) < 1e-9;
+        let middle_m = 0.5 * (low_m + high_m);
+        let is_camera = |view: &&[f64; 2]| {
+            let is_towards =
+                |c: &Pinhole| crate::geometry::angle_rad(frame::vector(**view), c.position_m - middle_m) < 1e-9;
+            self.simulation.phase.cameras.iter().any(is_towards)
+        };
         let others = directions.views_deg.iter().filter(|v| !is_camera(v)).count();
         if others > 0 {
             let message = format!("{others} parallel views: a scene has one camera");

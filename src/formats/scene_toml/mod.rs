@@ -61,7 +61,7 @@ pub(super) use view::SENSOR_NAME;
 pub(super) use view::USUAL_UM;
 pub(super) use view::pitch_of_fov;
 pub(super) use view::pitch_of_ifov;
-pub use write::{Axes, Unsaid, WriteOptions, write, write_with};
+pub use write::{Axes, Unsaid, WriteOptions, path_of_camera, write, write_with};
 
 use types::{Frame, MarsModelToml, MarsToml, ObserverToml, SceneToml, SunToml, ThermalModelToml, ThermalToml, Values};
 

@@ -49,6 +49,13 @@ pub struct WriteOptions {
     pub unsaid: Unsaid,
     /// What the axes of the scene that is given are.
     pub axes: Axes,
+    /// Further cameras that look at the scene: each has a scene file of its own, which names the same files besides.
+    pub cameras: Vec<FrameCamera>,
+}
+
+/// The scene file of a further camera: of the second one if `number` is 2.
+pub fn path_of_camera(path: &Path, number: usize) -> PathBuf {
+    path.with_extension(format!("camera_{number}.toml"))
 }
 
 /// What of a scene its source did not say.
@@ -101,8 +108,15 @@ pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<
         files: Staged::file(path, options.replace)?,
         report: Report::default(),
     };
-    let text = writer.scene()?;
-    writer.files.put(writer.files.path(), |out| out.write_all(text.as_bytes()))?;
+    let shared = writer.scene()?;
+    let bands = writer.bands()?;
+    let text = writer.view(&scene.exposure.camera)?;
+    writer.files.put(writer.files.path(), |out| write!(out, "{shared}{text}{bands}"))?;
+    for (i, camera) in options.cameras.iter().enumerate() {
+        let text = writer.view(camera)?;
+        let path = writer.files.beside(&path_of_camera(path, i + 2))?;
+        writer.files.put(&path, |out| write!(out, "{shared}{text}{bands}"))?;
+    }
     Ok((writer.files, writer.report))
 }
 
@@ -239,8 +253,7 @@ impl Writer<'_> {
         let _ = writeln!(text, "mmxrt_scene = 1\norigin_m = {}\n", list(scene.body.origin_m));
         let obj = self.mesh()?;
         let _ = writeln!(text, "[[mesh]]\nobj = {}", quoted(&obj));
-        let is_site = self.options.axes == Axes::Site;
-        if is_site {
+        if self.options.axes == Axes::Site {
             text.push_str("pose = \"radial\"\n");
         }
         for (i, material) in scene.body.materials.iter().enumerate() {
@@ -251,8 +264,14 @@ impl Writer<'_> {
         text += &self.bodies()?;
         text += &self.lamps()?;
         text += &self.thermal();
-        let pose = &scene.exposure.camera.world_from_sensor;
-        let _ = match is_site {
+        Ok(text)
+    }
+
+    /// Where a camera is, and what it is, without its bands.
+    fn view(&mut self, camera: &FrameCamera) -> Result<String> {
+        let (mut text, scene, pose) = (String::new(), self.scene, &camera.world_from_sensor);
+        // Writing to a string does not fail.
+        let _ = match self.options.axes == Axes::Site {
             true => writeln!(
                 text,
                 "\n{}[observer]\nframe = \"site\"\nposition_m = {}",
@@ -270,7 +289,7 @@ impl Writer<'_> {
         for (name, axis) in axes {
             let _ = writeln!(text, "{name} = {}", list(axis));
         }
-        text += &self.sensor()?;
+        text += &self.sensor(camera)?;
         Ok(text)
     }
 
@@ -625,9 +644,8 @@ impl Writer<'_> {
         Ok(text)
     }
 
-    fn sensor(&mut self) -> Result<String> {
+    fn sensor(&mut self, camera: &FrameCamera) -> Result<String> {
         let sensor = &self.scene.exposure;
-        let camera = &sensor.camera;
         let mut text = format!("\n{}[sensor]\n", self.comment("sensor"));
         if !self.is_left_out("sensor.name", sensor.instrument == SENSOR_NAME) {
             let _ = writeln!(text, "name = {}", quoted(&sensor.instrument));
@@ -652,7 +670,6 @@ impl Writer<'_> {
             let _ =
                 writeln!(text, "distortion = {{ k1 = {k1:?}, k2 = {k2:?}, k3 = {k3:?}, p1 = {p1:?}, p2 = {p2:?} }}");
         }
-        text += &self.bands()?;
         Ok(text)
     }
 
