@@ -592,6 +592,9 @@ fn folder(path: &Path) -> Result<Facts> {
         }
     }
     if !path.join("report.json").is_file() {
+        if output::is_within(path) {
+            return dart_output(path);
+        }
         let message =
             "is neither a product folder (no report.json) nor an output of DART (no simulation.properties.txt)";
         let problem = Problem::new(Location::file(path), message);
@@ -618,13 +621,15 @@ fn dart_output(path: &Path) -> Result<Facts> {
             "bands": view.bands.iter().map(|b| b.number).collect::<Vec<_>>(),
         })
     });
-    Ok(vec![
-        ("kind", json!("DART output")),
+    let mut facts = vec![("kind", json!("DART output"))];
+    facts.extend(output.of_type().map(|name| ("type_of_objects", json!(name))));
+    facts.extend([
         ("views", views.collect()),
         ("bands", output.bands().into_iter().map(band).collect()),
         ("budget_of_triangles_bands", output.budget().iter().map(|b| json!(b.number)).collect()),
         ("passed_over", json!(output.passed_over())),
-    ])
+    ]);
+    Ok(facts)
 }
 
 fn report(path: &Path) -> Result<Facts> {

@@ -46,6 +46,7 @@ pub static ALL: &[&Format] = &[
     &raster::netcdf::NETCDF,
     &raster::fits::FITS,
     &raster::zarr::ZARR,
+    &raster::dart_cells::DART_CELLS,
     &database::DATABASE,
     &ccsds::OEM,
     &ccsds::AEM,

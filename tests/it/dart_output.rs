@@ -38,7 +38,7 @@ fn pose() -> Pose {
 }
 
 /// Ground of 12 m (South) by 16 m (East), and a box 4 m high on it from (2, 4) to (6, 12) in DART's frame.
-fn box_on_ground() -> Scene {
+pub(crate) fn box_on_ground() -> Scene {
     let ground = quad([-8.0, -6.0, 0.0], [8.0, -6.0, 0.0], [8.0, 6.0, 0.0], [-8.0, 6.0, 0.0]);
     scene(joined(&[ground, cuboid([-4.0, 0.0, 0.0], [4.0, 4.0, 4.0])]), DVec3::ZERO)
 }
@@ -106,7 +106,7 @@ const NAME: &str = "ima02_VZ=036_9_VA=090_0";
 /// The box seen from the East, 36.87 deg from the zenith: sine 0.6, cosine 0.8. Its height displaces its top by 4 x 0.75 = 3 m,
 /// so that the image begins at y = -3 m and has, with 16 rows of 1 m / 0.8, 20 m on the ground; columns run from x = 12 m to 0.
 /// The value of row r, column c is r + c / 100.
-fn oblique(folder: &str) -> Image<'_> {
+pub(crate) fn oblique(folder: &str) -> Image<'_> {
     Image {
         folder,
         name: NAME,

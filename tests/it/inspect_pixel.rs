@@ -162,9 +162,11 @@ fn spectra_of_a_file_are_drawn() {
     let table = std::fs::read_to_string(&csv).unwrap();
     assert_eq!(table.lines().count(), 1 + 6, "{table}");
     assert!(table.starts_with("spectrum,wavelength_um,value\n\"ice\",1,0\n\"ice\",2,0.4\n"), "{table}");
-    // A library of ENVI holds the same.
+    // A library of ENVI holds the same. Commas part the names of its spectra.
     let library = scratch.argument("two.sli");
-    assert_eq!(run(&["convert", &file, &library, "--quiet"]).0, 0);
+    let plain = scratch.write("plain.csv", "wavelength_um,ice,dust\n1,0.0,0.1\n2,0.4,0.1\n3,0.2,0.1\n");
+    let (code, _, err) = run(&["convert", plain.to_str().unwrap(), &library, "--quiet"]);
+    assert_eq!(code, 0, "{err}");
     let (code, _, err) = run(&["inspect", &library, "--picture", &svg, "--force", "--quiet"]);
     assert_eq!(code, 0, "{err}");
     let again = std::fs::read_to_string(&svg).unwrap();

@@ -36,6 +36,7 @@ mod dart_database;
 mod dart_mandatory;
 mod dart_outline;
 mod dart_output;
+mod dart_parts;
 mod dart_read;
 #[cfg(feature = "sqlite")]
 mod dart_sheets;

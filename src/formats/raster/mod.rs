@@ -8,6 +8,7 @@ mod arrays;
 mod blocks;
 mod compare;
 mod cube_dataset;
+pub(super) mod dart_cells;
 pub(super) mod esri;
 pub(super) mod exr;
 pub(super) mod fits;

@@ -1,7 +1,8 @@
 //! What a DART simulation computed, as radiance maps of a scene: images of parallel views, and the radiative budget of
 //! triangles.
 //!
-//! `output/BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr` are the images; `simulation.properties.txt` gives their
+//! `output/BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr` are the images, and the same in `output/2_Ground` and the like those of one
+//! type of objects; `simulation.properties.txt` gives their
 //! directions, bands and irradiances. Axes and angles of DART end here: maps lie in the scene's local frame.
 
 mod budget;
@@ -97,6 +98,9 @@ impl OutputView {
 pub struct Output {
     /// The folder `output`.
     folder: PathBuf,
+    /// The folder of one type of objects in it, as in `2_Ground`, if that is what is asked for: its images have no values (-1) where
+    /// others are seen.
+    of_type: Option<String>,
     properties: Properties,
     views: Vec<OutputView>,
     budget: Vec<OutputBand>,
@@ -143,9 +147,16 @@ pub fn open(path: &Path) -> Result<Output> {
     }
     let folder = root(path)?;
     let properties = Properties::read(&folder.join(properties::FILE))?;
-    let mut output = Output { folder, properties, views: Vec::new(), budget: Vec::new(), passed_over: Vec::new() };
+    let of_type = type_of(&folder, path);
+    let (views, budget, passed_over) = (Vec::new(), Vec::new(), Vec::new());
+    let mut output = Output { folder, of_type, properties, views, budget, passed_over };
     output.find(path)?;
     Ok(output)
+}
+
+/// Whether a path is, holds or lies in what a simulation computed.
+pub fn is_within(path: &Path) -> bool {
+    root(path).is_ok()
 }
 
 /// The folder of `simulation.properties.txt`: `output/` within, this one, or one around.
@@ -169,6 +180,14 @@ fn root(path: &Path) -> Result<PathBuf> {
             Err(Error::Invalid(vec![Problem::new(Location::file(path), message).with_help(help)]))
         }
     }
+}
+
+/// The folder of a type of objects, `101_NAME`, that a path lies in or is.
+fn type_of(output: &Path, path: &Path) -> Option<String> {
+    let (output, path) = (plain(output), plain(path));
+    let name = path.strip_prefix(output).ok()?.components().next()?.as_os_str().to_str()?.to_owned();
+    let (number, _) = name.split_once('_')?;
+    (!number.is_empty() && number.bytes().all(|b| b.is_ascii_digit())).then_some(name)
 }
 
 /// Folders and files in a folder, sorted; none if it is not there.
@@ -250,6 +269,11 @@ impl Output {
         bands
     }
 
+    /// The folder of the one type of objects that is asked for, as in `2_Ground`; `None` if images are of all types.
+    pub fn of_type(&self) -> Option<&str> {
+        self.of_type.as_deref()
+    }
+
     /// Names of images that are not parallel views: a camera's; then what else lies there that is not read.
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
@@ -329,9 +353,10 @@ impl Output {
             at.starts_with(&wanted) || wanted.starts_with(&at)
         };
         let mut problems = Vec::new();
-        let mut bands: Vec<(usize, PathBuf)> = names(&self.folder)?
+        let base = self.of_type.as_ref().map_or(self.folder.clone(), |name| self.folder.join(name));
+        let mut bands: Vec<(usize, PathBuf)> = names(&base)?
             .iter()
-            .filter_map(|name| Some((band_number(name)?, self.folder.join(name))))
+            .filter_map(|name| Some((band_number(name)?, base.join(name))))
             .filter(|(_, folder)| is_wanted(folder))
             .collect();
         bands.sort();
@@ -356,7 +381,7 @@ impl Output {
             let Some(band) = self.band(number, &mut problems) else { continue };
             self.budget.push(OutputBand { number, band, path });
         }
-        let is_part = !plain(&self.folder).starts_with(&wanted);
+        let is_part = self.of_type.is_some() || !plain(&self.folder).starts_with(&wanted);
         let is_empty = self.views.is_empty() && self.passed_over.is_empty() && self.budget.is_empty();
         if problems.is_empty() && is_part && is_empty {
             let message = "holds no images: they are BANDn/{BRF,Tapp,Radiance}/ITERn/IMAGES_DART/*.mpr of the simulation's `output`";
@@ -367,7 +392,7 @@ impl Output {
         if !self.budget.is_empty() {
             read.push(self.folder.join(budget::TRIANGLES));
         }
-        self.passed_over.extend(others::passed_over(&self.folder, &read, &is_wanted)?);
+        self.passed_over.extend(others::passed_over(&base, &read, &is_wanted)?);
         if problems.is_empty() { Ok(()) } else { Err(Error::Invalid(problems)) }
     }
 
