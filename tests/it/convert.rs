@@ -293,7 +293,7 @@ fn differences_are_those_of_meaning() {
 fn formats_are_told_and_listed() {
     let scratch = prepared(SCENE);
     let (code, out, _) = run(&["convert", "--list"]);
-    assert_eq!((code, out.lines().count()), (0, 36), "{out}");
+    assert_eq!((code, out.lines().count()), (0, 37), "{out}");
     let (_, out, _) = run(&["convert", "--list", "--json"]);
     let json: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(json["formats"][4]["name"], "glb");
