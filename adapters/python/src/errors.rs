@@ -15,7 +15,16 @@ pub(crate) fn raised(py: Python<'_>, error: &Error) -> PyErr {
         Error::Unsupported { .. } => "UnsupportedError",
         Error::Interrupted => "StoppedError",
     };
-    exception(py, class, &error.to_string(), &error.problems())
+    let mut problems = error.problems();
+    // What Python sets is no option of a command line.
+    let mut is_set = false;
+    for item in problems.iter_mut().filter_map(|problem| problem.at.item.as_mut()) {
+        if let Some((key, _)) = item.strip_prefix("--set ").and_then(|setting| setting.split_once('=')) {
+            (*item, is_set) = (key.to_owned(), true);
+        }
+    }
+    let message = if is_set { Error::Invalid(problems.clone()).to_string() } else { error.to_string() };
+    exception(py, class, &message, &problems)
 }
 
 /// The exception for a panic, which is a fault of ours.

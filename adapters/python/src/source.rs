@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use mmxrt::formats::located::Document;
 use mmxrt::formats::scene_toml::{self, SceneFile};
-use mmxrt::formats::{Reading, Setting, Subject};
+use mmxrt::formats::{Cache, Reading, Setting, Subject};
 use mmxrt::job;
 use mmxrt::progress::Watch;
 use mmxrt::study::{Choice, Request, WITHIN};
@@ -27,6 +27,9 @@ pub(crate) struct Source {
     /// `KEY=VALUE`, as for `--set`.
     #[pyo3(attribute("_settings"))]
     settings: Vec<String>,
+    /// Where prepared bodies are kept, if anywhere.
+    #[pyo3(attribute("_cache"))]
+    cache: Option<PathBuf>,
 }
 
 impl Source {
@@ -43,7 +46,8 @@ impl Source {
         if !problems.is_empty() {
             return Err(Error::Invalid(problems));
         }
-        let reading = Reading::from(settings);
+        let cache = self.cache.as_deref().map(Cache::open).transpose()?;
+        let reading = Reading { settings, cache };
         match &self.text {
             Some(text) => scene_toml::read_text(text.clone(), &self.path, &reading, watch),
             None => scene_toml::read_with(&self.path, &reading, watch),

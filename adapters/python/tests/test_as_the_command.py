@@ -121,14 +121,14 @@ def test_accounts_are_those_of_the_command(folder: Path, program: str) -> None:
 
 
 def test_conversions_are_those_of_the_command(folder: Path, program: str) -> None:
-    account = mmxrt.convert(folder / "plate.obj", folder / "ours.ply")
-    assert account["written"] and account["to"] == "ply"
-    assert run(program, "convert", folder / "plate.obj", folder / "theirs.ply").returncode == 0
-    assert (folder / "ours.ply").read_bytes() == (folder / "theirs.ply").read_bytes()
+    account = mmxrt.convert(folder / "plate.obj", folder / "ours.glb")
+    assert account["written"] and account["to"] == "glb"
+    assert run(program, "convert", folder / "plate.obj", folder / "theirs.glb").returncode == 0
+    assert (folder / "ours.glb").read_bytes() == (folder / "theirs.glb").read_bytes()
     with pytest.raises(mmxrt.IoError):
-        mmxrt.convert(folder / "none.obj", folder / "x.ply")
+        mmxrt.convert(folder / "none.obj", folder / "x.glb")
     with pytest.raises(mmxrt.InvalidError, match="formats are"):
-        mmxrt.convert(folder / "plate.obj", folder / "x.ply", to_format="word")
+        mmxrt.convert(folder / "plate.obj", folder / "x.glb", to_format="word")
 
 
 def test_a_dictionary_is_the_same_scene_as_a_file(folder: Path) -> None:

@@ -39,7 +39,8 @@ def test_another_thread_counts_on(folder: Path) -> None:
     assert counted[0] > 10 * took
 
 
-def test_progress_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_progress_is_told(folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("mmxrt._progress._PATIENCE_S", 0.0)
     told: list[tuple[str, int, int]] = []
     slow(folder).simulate(model=["sunlight"], progress=lambda *now: told.append(now))
     assert len({stage for stage, _, _ in told}) > 1 and all(0 <= done <= total for _, done, total in told)
@@ -48,6 +49,17 @@ def test_progress_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert "%" in said.err and said.out == ""
     slow(folder).inspect()
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_landscape_is_kept_for_the_next_time(folder: Path) -> None:
+    items = plate(mesh=[{"recipe": "rugged", "material": "grey"}])
+    plain = mmxrt.Scene(items, folder=folder).simulate(model="sunlight")
+    first = mmxrt.Scene(items, folder=folder, cache=folder / "cache").simulate(model="sunlight")
+    kept = sorted(path.name for path in (folder / "cache").iterdir())
+    assert any(name.endswith(".landscape") for name in kept), kept
+    again = mmxrt.Scene(items, folder=folder, cache=folder / "cache").copy().simulate(model="sunlight")
+    assert kept == sorted(path.name for path in (folder / "cache").iterdir())
+    assert plain.cube.tobytes() == first.cube.tobytes() == again.cube.tobytes()
 
 
 def test_what_progress_raises_stops_the_work(folder: Path) -> None:

@@ -70,8 +70,10 @@ class Scene(Item):
     Nothing is checked before it is needed: `validate` does so, and whatever simulates.
     """
 
-    def __init__(self, items: Mapping[str, Any], *, folder: _StrPath = ".") -> None:
-        """Of a dictionary as a scene file has it; paths in it are relative to `folder`.
+    def __init__(
+        self, items: Mapping[str, Any], *, folder: _StrPath = ".", cache: _StrPath | None = None
+    ) -> None:
+        """Of a dictionary as a scene file has it; paths in it are relative to `folder`. In the folder `cache` prepared bodies are kept for the next time.
 
         Raises `TypeError` for what no file could hold.
         """
@@ -81,21 +83,25 @@ class Scene(Item):
         self._path = os.path.join(os.fspath(folder), "<dict>")
         self._text: str | None = _toml.document(self._tree)
         self._settings: list[str] = []
+        self._cache = None if cache is None else os.fspath(cache)
 
     @classmethod
-    def from_dict(cls, items: Mapping[str, Any], *, folder: _StrPath = ".") -> Scene:
-        """The same as `Scene(items, folder=folder)`."""
-        return cls(items, folder=folder)
+    def from_dict(
+        cls, items: Mapping[str, Any], *, folder: _StrPath = ".", cache: _StrPath | None = None
+    ) -> Scene:
+        """The same as `Scene(items, folder=folder, cache=cache)`."""
+        return cls(items, folder=folder, cache=cache)
 
     @classmethod
-    def load(cls, path: _StrPath) -> Scene:
-        """Of a scene file.
+    def load(cls, path: _StrPath, *, cache: _StrPath | None = None) -> Scene:
+        """Of a scene file. In the folder `cache` prepared bodies (landscapes that were made, meshes that were read) are kept for the next time.
 
         Raises `IoError` if it cannot be read, `TextError` if it is not TOML. What it says is checked by `validate`.
         """
         scene = cls.__new__(cls)
         Item.__init__(scene, scene, ())
         scene._path, scene._text, scene._settings = os.fspath(path), None, []
+        scene._cache = None if cache is None else os.fspath(cache)
         scene._tree = json.loads(_native.tree(path))
         return scene
 
@@ -107,6 +113,7 @@ class Scene(Item):
         scene = type(self).__new__(type(self))
         Item.__init__(scene, scene, ())
         scene._path, scene._text, scene._settings = self._path, self._text, list(self._settings)
+        scene._cache = self._cache
         scene._tree = copy.deepcopy(self._tree)
         return scene
 
