@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use mmxrt::formats::envi::{Interleave, Precision};
-use mmxrt::formats::product_cubes::{CubeFormat, CubeFormats};
 use mmxrt::formats::folder;
+use mmxrt::formats::product_cubes::{CubeFormat, CubeFormats};
 use mmxrt::formats::product_folder::{Product, ProductFolder, ProductOptions};
 use mmxrt::formats::radiance_map;
 use mmxrt::geometry::Texels;
@@ -81,8 +81,7 @@ impl Options {
             ("fits", CubeFormat::Fits),
             ("exr", CubeFormat::Exr),
         ];
-        let asked: Result<Vec<CubeFormat>> =
-            self.format.iter().map(|name| chosen("format", name, &formats)).collect();
+        let asked: Result<Vec<CubeFormat>> = self.format.iter().map(|name| chosen("format", name, &formats)).collect();
         match (interleave, precision, quantity, planes_of, asked) {
             (Ok(interleave), Ok(precision), Ok(quantity), Ok(planes_of), Ok(asked)) => Ok(ProductOptions {
                 interleave,
