@@ -124,6 +124,7 @@ def check(tab, page):
     at = (samples // 3, lines // 2)
     click(tab, *at)
     tab.click("summary")
+    tab.wait_for_selector("#spectrum-table tbody tr")
     cell = [v // side * side for v in at]
     block = (slice(cell[1], cell[1] + side), slice(cell[0], cell[0] + side))
     mean = lambda of: of[:, block[0], block[1]].astype(float).mean((1, 2)).astype(np.float32)

@@ -1,7 +1,8 @@
 // Images whose numbers are in the page: blocks of bands, unpacked when they are asked for.
 
 async function unpacked(id, size) {
-  const text = atob(by(id).textContent), packed = Uint8Array.from(text, (c) => c.charCodeAt(0));
+  const text = atob(by(id).textContent), packed = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) packed[i] = text.charCodeAt(i);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   const mixed = new Uint8Array(await new Response(stream).arrayBuffer()), bytes = new Uint8Array(mixed.length), count = mixed.length / size;
   for (let k = 0; k < size; k++) for (let i = 0; i < count; i++) bytes[i * size + k] = mixed[k * count + i];
@@ -22,6 +23,14 @@ class Embedded {
   block(k) {
     if (!this.unpacked.has(k)) this.unpacked.set(k, unpacked(`block${this.first_block + k}`, this.bytes[k]));
     return this.unpacked.get(k);
+  }
+
+  /** Unpacks all of it, with pauses for what is clicked meanwhile. */
+  async ready() {
+    for (let k = 0; k < this.bytes.length; k++) {
+      await new Promise((next) => setTimeout(next));
+      await this.block(k);
+    }
   }
 
   /** All cells of a band. */

@@ -37,6 +37,8 @@ async function begin() {
     page.table = () => by("spectrum-table").replaceChildren(table(["curve", "um", "value"], curves.flatMap((c) => c.x.map((x, i) => [c.name, shown(x), shown(c.y[i])]))));
   }
   tellReport();
+  // So that the first click need not wait.
+  for (const stack of Object.values(page.embedded)) await stack.ready();
 }
 
 told(begin());

@@ -33,10 +33,14 @@ async function readout() {
   const turn = ++asked, { cube, thermal, planes } = page.sources, names = ["a", "b"].filter((name) => page.selected[name]);
   marks();
   if (!cube || !names.length) return;
-  const found = {}, told = {};
-  for (const name of names) {
-    found[name] = await spectra(page.selected[name]);
-    if (planes) told[name] = await planes.region(page.selected[name]);
+  const found = {}, told = {}, wait = setTimeout(() => by("values").replaceChildren(element("p", "reading …", "numbers")), 200);
+  try {
+    for (const name of names) {
+      found[name] = await spectra(page.selected[name]);
+      if (planes) told[name] = await planes.region(page.selected[name]);
+    }
+  } finally {
+    clearTimeout(wait);
   }
   // A later click is shown already.
   if (turn !== asked) return;
