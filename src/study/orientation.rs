@@ -1,4 +1,4 @@
-//! Orientation of an image: directions to north and Sun.
+//! Orientation of an image: directions to north, Sun and Mars.
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -24,6 +24,9 @@ pub struct Orientation {
     pub north_deg: Option<f64>,
     /// Where the Sun is, the same way.
     pub sun_deg: Option<f64>,
+    /// Where Mars's middle is, the same way; null too if the scene has no Mars.
+    #[serde(default)]
+    pub mars_deg: Option<f64>,
 }
 
 impl Orientation {
@@ -38,6 +41,8 @@ impl Orientation {
             view: camera.ray(x, y).normalize().to_array(),
             north_deg: azimuth_deg(camera, DVec3::Z),
             sun_deg: azimuth_deg(camera, scene.sky.sun.direction.vec()),
+            // The origin is not far from the image's middle, for one as distant as Mars.
+            mars_deg: scene.sky.mars.as_ref().and_then(|mars| azimuth_deg(camera, mars.centre_m)),
         }
     }
 }
