@@ -135,8 +135,10 @@ flow+=("acquisitions=$((acquisitions + 1))")
 failing=$((acquisitions % (shards + 1) + 1))-of-$((shards + 1))
 if "${flow[@]}" >failing.txt 2>&1; then problem "an acquisition that failed was not told"; fi
 [ ! -e "$folder.shards/$failing" ] || problem "a shard that failed has a marker"
+others=$(find "$folder.shards" -name "*-of-$((shards + 1))" | wc -l)
+[ "$others" -eq "$shards" ] || problem "$others shards without a failure have a marker, not $shards"
 [ "$(states done) $(states failed)" = "$acquisitions 1" ] || problem "$(states done) done and $(states failed) failed, not $acquisitions and 1"
-echo "one that fails: $(states done) done, $(states failed) failed, $(find "$folder.shards" -name "*-of-$((shards + 1))" | wc -l) of $((shards + 1)) markers"
+echo "one that fails: $(states done) done, $(states failed) failed, $others of $((shards + 1)) markers"
 sed -i 's/2040-05-01/2027-05-01/' campaign.toml
 "${flow[@]}" >mended.txt 2>&1 || { cat mended.txt; problem "the run after mending"; }
 [ "$(states done) $(states failed)" = "$((acquisitions + 1)) 0" ] || problem "$(states done) done and $(states failed) failed after mending"

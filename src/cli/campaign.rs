@@ -70,9 +70,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     };
     console.finish_progress();
     say(&finished, console);
+    // A shard answers for itself: who runs many would run all that came after a failure again.
     let [_, _, failed] = finished.counts;
-    let is_whole = finished.manifest.as_ref().is_none_or(|manifest| manifest.failed() == 0);
-    Ok(if failed == 0 && is_whole { Outcome::Done } else { Outcome::Failed })
+    Ok(if failed == 0 { Outcome::Done } else { Outcome::Failed })
 }
 
 fn folder(arguments: &Arguments, campaign: &Campaign) -> Result<PathBuf> {
@@ -114,6 +114,10 @@ fn say(finished: &Finished, console: &Console) {
     match manifest {
         Some(manifest) => {
             let warned = manifest.warned().count();
+            let elsewhere = manifest.failed().saturating_sub(*failed);
+            if elsewhere > 0 {
+                console.note(&format!("{elsewhere} failed in other shards"));
+            }
             if warned > 0 {
                 let all = manifest.acquisitions.len();
                 console.note(&format!("{warned} of {all} have warnings: `first_warning` in {}", path.display()));

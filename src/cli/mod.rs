@@ -34,7 +34,7 @@ use console::Console;
 
 /// What a space camera sees of a small body: exact facet-to-pixel hyperspectral image simulation.
 ///
-/// Exit codes: 0 done; 1 bad input, failed I/O, a failed case of `validate`, an error found by `convert --check`, a difference found by `convert --diff`, or Ctrl-C;
+/// Exit codes: 0 done; 1 bad input, failed I/O, a failed acquisition of a `campaign` (with `--shard`, of that shard), a failed case of `validate`, an error found by `convert --check`, a difference found by `convert --diff`, or Ctrl-C;
 /// 2 usage; 3 a loss under `convert --strict`. Unless the code is 0, nothing new is left under the name of the output.
 #[derive(Parser)]
 #[command(name = "mmxrt", version)]

@@ -417,9 +417,10 @@ fn one_that_fails_is_told_and_the_others_are_made() {
     let why = entry["errors"][0].as_str().unwrap();
     assert!(why.contains("campaign.toml:5:9") && why.contains("2040-05-01"), "{why}");
     assert!(scratch.join("out/failed/never.json").is_file() && !scratch.join("out/products/never").exists());
-    // Parts know of one another's failures.
-    for (part, code) in [("1/2", 1), ("2/2", 1)] {
-        assert_eq!(made(&scratch, "parts", &["--shard", part]).0, code);
+    // Parts know of one another's failures, and each answers for its own.
+    for (part, code, elsewhere) in [("1/2", 1, false), ("2/2", 0, true)] {
+        let (found, _, err) = made(&scratch, "parts", &["--shard", part]);
+        assert!(found == code && err.contains("1 failed in other shards") == elsewhere, "{part}: {found} {err}");
     }
     same_trees(&scratch, "out", "parts");
     scratch.edit("campaign.toml", "2040-05-01T00:00:00", "2027-05-01T09:00:00");
