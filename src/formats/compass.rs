@@ -104,6 +104,7 @@ mod tests {
             view: [0.0, 0.0, 1.0],
             north_deg,
             sun_deg,
+            mars_deg: None,
         }
     }
 
