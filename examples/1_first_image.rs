@@ -30,6 +30,7 @@ fn main() -> Result<()> {
             bond_albedo: 0.08,
             emissivity_bolometric: 0.95,
             thermal_inertia: 0.0,
+            temperature_k: None,
             mixture: vec![(i, 1.0)],
         })
         .collect();

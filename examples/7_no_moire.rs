@@ -96,6 +96,7 @@ fn scene(camera: FrameCamera) -> Result<Scene> {
         bond_albedo: 0.07,
         emissivity_bolometric: 0.95,
         thermal_inertia: 0.0,
+        temperature_k: None,
         mixture: vec![(0, 1.0)],
     };
     SceneParts {

@@ -32,6 +32,7 @@
 //!     bond_albedo: 0.07,
 //!     emissivity_bolometric: 0.95,
 //!     thermal_inertia: 0.0,
+//!     temperature_k: None,
 //!     mixture: vec![(0, 1.0)],
 //! };
 //! // 4 x 4 pixels of 0.5 m from 1 km above: right is +x, down is -y.

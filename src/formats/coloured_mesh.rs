@@ -123,6 +123,7 @@ impl ColouredMesh {
                     bond_albedo: reflectance,
                     emissivity_bolometric: EMISSIVITY_BOLOMETRIC,
                     thermal_inertia: 0.0,
+                    temperature_k: None,
                     mixture: vec![(i, 1.0)],
                 }
             })

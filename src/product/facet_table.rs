@@ -229,7 +229,7 @@ impl FacetTable {
     }
 }
 
-/// No facet is warmer, K: one that faces the Sun, with a Mars and every other body that send it as much light again, and all their heat, and every beam.
+/// No facet is warmer, K: one that is held at a temperature, or one that faces the Sun, with a Mars and every other body that send it as much light again, and all their heat, and every beam.
 pub(crate) fn warmest_k(scene: &Scene) -> f64 {
     let sun_w_m2 = scene.sky.sun.total_irradiance_w_m2();
     let mars_w_m2 = scene.sky.mars.as_ref().map_or(0.0, |mars| mars.thermal_exitance_w_m2);
@@ -245,5 +245,6 @@ pub(crate) fn warmest_k(scene: &Scene) -> f64 {
         Thermal::Thesis => heat::thesis_temperature_k(1.0 + 1e-9),
         Thermal::Off => f64::INFINITY,
     };
-    warmest_k.max(scene.models.floor_k)
+    let held_k = scene.body.materials.iter().filter_map(|material| material.temperature_k);
+    held_k.fold(warmest_k.max(scene.models.floor_k), f64::max)
 }

@@ -9,6 +9,8 @@ use crate::physics::reflectance::kirchhoff_emissivity;
 
 /// What emits less gets hotter than numbers can say, whatever lights it; polished metals have 0.01.
 const LEAST_EMISSIVITY: f64 = 1e-6;
+/// No solid surface is warmer, K.
+const MOST_K: f64 = 1e4;
 /// No ground stores more, J m-2 K-1 s-1/2; copper has 4e4.
 const MOST_INERTIA: f64 = 1e9;
 
@@ -30,6 +32,8 @@ pub struct Material {
     pub emissivity_bolometric: f64,
     /// Thermal inertia of the ground below, J m-2 K-1 s-1/2; 0 if it stores no heat, or none is known.
     pub thermal_inertia: f64,
+    /// Temperature at which it is held, K, whatever it absorbs; `None`: that of the thermal model.
+    pub temperature_k: Option<f64>,
     /// Share of each dictionary entry: (index into the dictionary, fraction). One entry, fraction 1, unless a mixture.
     pub mixture: Vec<(usize, f64)>,
 }
@@ -83,6 +87,9 @@ impl Material {
         if !(0.0..=MOST_INERTIA).contains(&self.thermal_inertia) {
             let message = format!("{} is not from 0 to {MOST_INERTIA:e}", number(self.thermal_inertia));
             problem(&format!("{item}.thermal_inertia"), message);
+        }
+        if let Some(t_k) = self.temperature_k.filter(|t_k| !(0.0..=MOST_K).contains(t_k)) {
+            problem(&format!("{item}.temperature_k"), format!("{} K is not from 0 to {MOST_K:e}", number(t_k)));
         }
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn fill(
         .for_each(|(facet, material)| by_material[material.0 as usize].push(facet));
     tell(watch, "conduction", 0, 1)?;
     for (material, facets_of) in scene.body.materials.iter().zip(&by_material) {
-        if material.thermal_inertia <= 0.0 {
+        if material.thermal_inertia <= 0.0 || material.temperature_k.is_some() {
             continue;
         }
         let ground = Ground {

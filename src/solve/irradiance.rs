@@ -266,7 +266,8 @@ impl Chunk<'_> {
                 *irradiance *= eclipse.share(centroid_m);
             }
         }
-        let temperatures = self.lit_k.iter_mut().zip(self.shaded_k).zip(sunlight.iter());
+        let (lit_column, shaded_column) = (self.lit_k, self.shaded_k);
+        let temperatures = lit_column.iter_mut().zip(shaded_column.iter_mut()).zip(sunlight.iter());
         match scene.models.thermal {
             Thermal::Off => {}
             Thermal::Thesis => {
@@ -287,6 +288,13 @@ impl Chunk<'_> {
                     let lit = of_sun * sun_w_m2 * sunlight + shaded;
                     *lit_k = heat::equilibrium_temperature_k(lit, *emissivity);
                     *shaded_k = heat::equilibrium_temperature_k(shaded, *emissivity);
+                }
+            }
+        }
+        if scene.body.materials.iter().any(|material| material.temperature_k.is_some()) {
+            for ((lit_k, shaded_k), material) in lit_column.iter_mut().zip(shaded_column).zip(materials()) {
+                if let Some(held_k) = material.temperature_k {
+                    (*lit_k, *shaded_k) = (held_k, held_k);
                 }
             }
         }

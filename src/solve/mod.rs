@@ -15,7 +15,7 @@ mod terrain;
 use crate::error::Result;
 use crate::product::FacetTable;
 use crate::progress::{Watch, tell};
-use crate::scene::{Models, Scene, Thermal};
+use crate::scene::{Models, Scene, Surface, Thermal};
 use crate::visibility::Seen;
 
 pub use between::between;
@@ -75,10 +75,16 @@ fn filled(scene: &Scene, mut table: FacetTable, watch: Watch<'_>) -> Result<Face
     Ok(table)
 }
 
-/// The last of all: what keeps a floor up is not what facets send each other, or store.
+/// The last of all: what keeps a floor up is not what facets send each other, or store. What is held at a temperature has none.
 fn keep_floor(scene: &Scene, table: &mut FacetTable) {
     if scene.models.floor_k > 0.0 {
-        let temperatures_k = table.temperature_lit_k.iter_mut().chain(&mut table.temperature_shaded_k);
-        temperatures_k.for_each(|t_k| *t_k = t_k.max(scene.models.floor_k));
+        let Surface { mesh, materials, .. } = &*scene.body;
+        for temperatures_k in [&mut table.temperature_lit_k, &mut table.temperature_shaded_k] {
+            for (t_k, material) in temperatures_k.iter_mut().zip(&mesh.material) {
+                if materials[material.0 as usize].temperature_k.is_none() {
+                    *t_k = t_k.max(scene.models.floor_k);
+                }
+            }
+        }
     }
 }

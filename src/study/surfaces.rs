@@ -258,6 +258,7 @@ pub fn surface_of_preset(preset: Preset) -> (Vec<SurfaceEntry>, PhaseCurve) {
         bond_albedo,
         emissivity_bolometric: 1.0 - bond_albedo,
         thermal_inertia: 0.0,
+        temperature_k: None,
         mixture: vec![],
     };
     let measure = Measure::ReflectanceFactor(PhotometricAngles::of_angles(30f64.to_radians(), 0.0, 0.0));

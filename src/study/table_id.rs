@@ -45,6 +45,9 @@ pub fn table_id(scene: &Scene) -> String {
         put(&[beam.total_irradiance_w_m2]);
     }
     materials.iter().for_each(|m| put(&[m.bond_albedo, m.emissivity_bolometric]));
+    for (i, t_k) in materials.iter().enumerate().filter_map(|(i, m)| Some((i, m.temperature_k?))) {
+        put(&[i as f64, t_k]);
+    }
     // Which of the above there are, so that no two scenes are the same row of numbers.
     let mars_model = mars.as_ref().map_or(0, |_| match mars_light {
         MarsModel::NearField => 1,

@@ -63,6 +63,7 @@ mod globes_in_view;
 mod gltf;
 mod gltf_extensions;
 mod hazards;
+mod held;
 mod hosts;
 mod inspect_pixel;
 mod instances;

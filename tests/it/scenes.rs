@@ -80,6 +80,7 @@ pub(crate) fn lambert(entry: usize, name: &str, reflectance: Spectrum) -> Materi
         bond_albedo: 0.07,
         emissivity_bolometric: 0.95,
         thermal_inertia: 0.0,
+        temperature_k: None,
         mixture: vec![(entry, 1.0)],
     }
 }

@@ -295,8 +295,18 @@ impl Lines {
             bond_albedo,
             emissivity_bolometric,
             thermal_inertia,
+            temperature_k,
             mixture,
         } = a;
+        match (temperature_k, b.temperature_k) {
+            (Some(a), Some(b)) => self.numbers(&format!("{at}.temperature_k"), *a, b),
+            (a, b) => {
+                let said = |t_k: Option<f64>| t_k.map_or("as the model has it".to_owned(), |t_k| format!("{t_k:?}"));
+                if *a != b {
+                    self.push(&format!("{at}.temperature_k"), said(*a).as_str(), said(b).as_str());
+                }
+            }
+        }
         self.numbers(&format!("{at}.thermal_inertia"), *thermal_inertia, b.thermal_inertia);
         self.spectra(&format!("{at}.reflectance"), reflectance, &b.reflectance);
         self.spectra(&format!("{at}.emissivity"), emissivity, &b.emissivity);

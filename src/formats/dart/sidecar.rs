@@ -225,6 +225,8 @@ struct MaterialPart {
     emissivity_bolometric: f64,
     #[serde(default, skip_serializing_if = "is_zero")]
     thermal_inertia: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    temperature_k: Option<f64>,
     /// Entry, counted from 0, and its share.
     mixture: Vec<(usize, f64)>,
     reflectance: Table,
@@ -507,6 +509,7 @@ impl Sidecar {
             bond_albedo: part.bond_albedo,
             emissivity_bolometric: part.emissivity_bolometric,
             thermal_inertia: part.thermal_inertia,
+            temperature_k: part.temperature_k,
             mixture: part.mixture.clone(),
         })
     }
@@ -542,6 +545,7 @@ fn material_part(material: &Material) -> MaterialPart {
         bond_albedo: material.bond_albedo,
         emissivity_bolometric: material.emissivity_bolometric,
         thermal_inertia: material.thermal_inertia,
+        temperature_k: material.temperature_k,
         mixture: material.mixture.clone(),
         reflectance: Table::of(&material.reflectance),
         emissivity: (!by_kirchhoff).then(|| Table::of(&material.emissivity)),

@@ -718,6 +718,7 @@ fn material(property: &OpticalProperty, table: Vec<Spectrum>) -> Material {
         bond_albedo: solar_mean(&reflectance).unwrap_or(0.0),
         emissivity_bolometric: EMISSIVITY_BOLOMETRIC,
         thermal_inertia: 0.0,
+        temperature_k: None,
         mixture: Vec::new(),
         reflectance,
         photometry,

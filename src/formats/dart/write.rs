@@ -164,6 +164,7 @@ fn tetrahedron(target: TargetVersion) -> Result<(Package, [Face; 4])> {
         bond_albedo: *reflectance,
         emissivity_bolometric: 0.95,
         thermal_inertia: 0.0,
+        temperature_k: None,
         mixture: vec![(i, 1.0)],
     };
     let (sin, cos) = 30f64.to_radians().sin_cos();

@@ -260,6 +260,9 @@ impl TomlReader<'_> {
         if mixed.iter().any(|(_, part)| part.photometry != Photometry::Lambert) {
             self.problem(&member(&item, "mixture"), "has a part with a model: only Lambert surfaces are mixed");
         }
+        if entry.temperature_k.is_none() && mixed.iter().any(|(_, part)| part.temperature_k.is_some()) {
+            self.note(&member(&item, "mixture"), "has a part that is held at a temperature; the mixture is not");
+        }
         let at = member(&item, "bond_albedo");
         let bond_albedo = self.bond_albedo(&at, entry.bond_albedo, &mixed, reflectance.as_ref());
         let at = member(&item, "emissivity_bolometric");
@@ -273,6 +276,7 @@ impl TomlReader<'_> {
             emissivity_bolometric: emissivity_bolometric?,
             // That of the whole scene, if it has none of its own, comes later.
             thermal_inertia: 0.0,
+            temperature_k: entry.temperature_k,
             mixture: if mixed.is_empty() { vec![(i, 1.0)] } else { shares(&mixed) },
         })
     }

@@ -362,6 +362,11 @@ impl TomlReader<'_> {
         for (name, material) in dictionary.names.iter().zip(dictionary.materials.iter_mut().flatten()) {
             let own = toml.materials.get(name).and_then(|entry| entry.thermal_inertia);
             material.thermal_inertia = own.unwrap_or(inertia);
+            let is_off = toml.thermal.as_ref().and_then(|thermal| thermal.model) == Some(ThermalModelToml::Off);
+            if material.temperature_k.is_some() && is_off {
+                let item = located::member(&located::member("materials", name), "temperature_k");
+                self.note(&item, "counts for nothing: `thermal.model` is \"off\"");
+            }
         }
         let mesh = self.meshes(&toml.mesh, &mut dictionary);
         let by_angles = toml.geometry.as_ref().map(|geometry| self.by_angles(geometry)).unwrap_or_default();

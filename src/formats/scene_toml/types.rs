@@ -182,6 +182,9 @@ pub(crate) struct MaterialToml {
     /// Thermal inertia of the ground, J m-2 K-1 s-1/2; Phobos' is some 20 to 100. Default: that of `thermal`.
     #[schemars(range(min = 0))]
     pub(crate) thermal_inertia: Option<f64>,
+    /// Temperature at which it is held, K, whatever it absorbs: of what is heated, or known. Default: that of the thermal model.
+    #[schemars(range(min = 0))]
+    pub(crate) temperature_k: Option<f64>,
     /// Variation of reflectance inside facets. Heat does not see it.
     pub(crate) texture: Option<TextureToml>,
 }

@@ -385,6 +385,9 @@ impl Writer<'_> {
         if material.thermal_inertia != 0.0 {
             let _ = writeln!(text, "thermal_inertia = {:?}", material.thermal_inertia);
         }
+        if let Some(t_k) = material.temperature_k {
+            let _ = writeln!(text, "temperature_k = {t_k:?}");
+        }
         Ok(text)
     }
 

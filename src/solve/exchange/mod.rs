@@ -105,6 +105,8 @@ struct Carried {
     /// Of each material.
     albedo: Vec<f64>,
     emissivity: Vec<f64>,
+    /// Whether what it absorbs does not warm it.
+    is_held: Vec<bool>,
 }
 
 impl Carried {
@@ -143,6 +145,7 @@ impl Carried {
             sources: sources_w_m2.len(),
             albedo,
             emissivity: materials.iter().map(|material| material.emissivity_bolometric).collect(),
+            is_held: materials.iter().map(|material| material.temperature_k.is_some()).collect(),
         }
     }
 
@@ -277,7 +280,8 @@ struct Received<'a> {
 /// The same, to be sent on.
 struct Sent<'a> {
     received: &'a Received<'a>,
-    /// W m-2 of heat that each facet sends on, if there is any: what it receives, and what it absorbs of light.
+    /// W m-2 of heat that each facet sends on, if there is any: what it receives, and what it absorbs of light; of what is held at a
+    /// temperature, what it reflects.
     heat_w_m2: Vec<f64>,
 }
 
@@ -290,7 +294,11 @@ impl Received<'_> {
     /// What the facets send on.
     fn to_be_sent(&self, mesh: &Mesh) -> Sent<'_> {
         let heat = |(row, material): (&[f64], &MaterialId)| {
-            self.carried.absorbed_w_m2(material.0 as usize, row) + row[self.carried.light() + 1]
+            let (m, received_w_m2) = (material.0 as usize, row[self.carried.light() + 1]);
+            match self.carried.is_held[m] {
+                true => (1.0 - self.carried.emissivity[m]) * received_w_m2,
+                false => self.carried.absorbed_w_m2(m, row) + received_w_m2,
+            }
         };
         let rows = || self.rows.par_chunks(self.carried.columns()).zip(&mesh.material);
         Sent { received: self, heat_w_m2: if self.carried.is_warm { rows().map(heat).collect() } else { vec![] } }
@@ -362,7 +370,11 @@ fn warm(scene: &Scene, table: &mut FacetTable, absorbed_w_m2: &[f64]) {
     let facets = scene.body.mesh.material.par_iter().zip(absorbed_w_m2);
     let states = table.temperature_lit_k.par_iter_mut().zip(&mut table.temperature_shaded_k);
     states.zip(facets).for_each(|((lit_k, shaded_k), (material, more_w_m2))| {
-        let emissivity = scene.body.materials[material.0 as usize].emissivity_bolometric;
+        let material = &scene.body.materials[material.0 as usize];
+        if material.temperature_k.is_some() {
+            return;
+        }
+        let emissivity = material.emissivity_bolometric;
         for t_k in [lit_k, shaded_k] {
             let all_w_m2 = heat::emitted_w_m2(*t_k, emissivity) + more_w_m2;
             *t_k = heat::equilibrium_temperature_k(all_w_m2, emissivity).min(most_k);

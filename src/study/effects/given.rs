@@ -198,8 +198,11 @@ impl<'a> Given<'a> {
         self.wavelengths.iter().flat_map(of).collect()
     }
 
-    /// In equilibrium with sunlight at this cosine of incidence, and more heat, W m-2; no colder than the floor.
+    /// In equilibrium with sunlight at this cosine of incidence, and more heat, W m-2, no colder than the floor; or held.
     pub(super) fn temperature_k(&self, material: &Material, cos_incidence: f64, more_w_m2: f64) -> f64 {
+        if let Some(held_k) = material.temperature_k {
+            return held_k;
+        }
         let absorbed_w_m2 = self.absorbed_w_m2(material, cos_incidence) + more_w_m2;
         heat::equilibrium_temperature_k(absorbed_w_m2, material.emissivity_bolometric).max(self.scene.models.floor_k)
     }
@@ -251,10 +254,14 @@ impl<'a> Given<'a> {
         self.scene.sky.beams.iter().map(|beam| beam.total_irradiance_w_m2).sum()
     }
 
-    /// What surroundings of this form factor warm a facet by at most, W m-2: on average they send no more than white ones that face all light and heat there is.
+    /// What surroundings of this form factor warm a facet by at most, W m-2: on average they send no more than white ones that face all light and heat there is,
+    /// and what emits most of those that are held at a temperature.
     pub(super) fn around_w_m2(&self, form_factor: f64) -> f64 {
         let sun_w_m2 = self.scene.sky.sun.total_irradiance_w_m2();
-        form_factor * (sun_w_m2 + self.lamps_w_m2() + self.mars_w_m2(self.most_of_mars()) + self.bodies_w_m2())
+        let held = |(_, m): &(usize, &Material)| Some(heat::emitted_w_m2(m.temperature_k?, m.emissivity_bolometric));
+        let held_w_m2 = self.materials.iter().filter_map(held).fold(0.0, f64::max);
+        let from_sky_w_m2 = sun_w_m2 + self.lamps_w_m2() + self.mars_w_m2(self.most_of_mars()) + self.bodies_w_m2();
+        form_factor * (from_sky_w_m2 + held_w_m2)
     }
 
     /// What may warm a facet of such a class besides the Sun, W m-2.

@@ -33,6 +33,7 @@ fn find(given: &Given) -> Finding {
     let bound = cold.error_without(|&Place { at, material, class, side, .. }| {
         let cos_incidence = side.most_cos_incidence(class);
         let t_k = match given.scene.models.thermal {
+            _ if material.temperature_k.is_some() => material.temperature_k.unwrap_or(0.0),
             Thermal::Thesis => heat::thesis_temperature_k(cos_incidence),
             // It may have been noon, and the ground keeps its heat.
             _ if thermal_inertia::missing(given).is_none() => given.noon_k,

@@ -139,6 +139,7 @@ pub(super) fn scene(mesh: Mesh, reflectances: &[f64], sun: Direction, camera: Fr
         bond_albedo: *reflectance,
         emissivity_bolometric: 0.95,
         thermal_inertia: 0.0,
+        temperature_k: None,
         mixture: vec![(i, 1.0)],
     };
     SceneParts {

@@ -120,6 +120,7 @@ impl Patch {
                     bond_albedo: self.bond_albedo,
                     emissivity_bolometric: self.emissivity_bolometric,
                     thermal_inertia: 0.0,
+                    temperature_k: None,
                     mixture: vec![(0, 1.0)],
                 }],
                 textures: vec![],

@@ -136,6 +136,7 @@ fn look(mesh: Mesh, reflectance: f64, sun: Sun, camera: FrameCamera) -> Result<V
         bond_albedo: reflectance,
         emissivity_bolometric: 0.95,
         thermal_inertia: 0.0,
+        temperature_k: None,
         mixture: vec![(0, 1.0)],
     };
     let bands = vec![Band::new(1.0, None)];
