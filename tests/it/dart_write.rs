@@ -6,6 +6,7 @@ use std::path::Path;
 
 use glam::{DMat3, DVec3};
 
+use mmxrt::Error;
 use mmxrt::formats::dart::{self, SceneOptions, SimulationOptions, TargetVersion};
 use mmxrt::formats::{scene_toml, xml};
 use mmxrt::geometry::{Direction, FrameCamera, MaterialId, Mesh, Pose};
@@ -414,10 +415,29 @@ fn the_same_scene_gives_the_same_bytes() {
 
 #[test]
 fn what_a_version_is_not_known_to_have_is_refused() {
-    let (package, _) = dart::from_scene(&rich(), &options(TargetVersion::V5_11_0)).unwrap();
+    // Each material in a line that says what to do, with all else that is wrong.
+    let options_11 = SimulationOptions { cell_m: Some(-1.0), ..options(TargetVersion::V5_11_0) };
+    let error = dart::from_scene(&rich(), &options_11).unwrap_err();
+    let Error::Invalid(problems) = &error else { panic!("{error}") };
+    let lines: Vec<String> = problems.iter().map(|problem| format!("{}: {}", problem.at, problem.message)).collect();
+    assert_eq!(
+        lines,
+        [
+            "materials.\"hapke\": how DART 5.11.0 has Hapke's reflectance is not known",
+            "materials.\"rpv\": how DART 5.11.0 has the RPV reflectance is not known",
+            "cell: -1 m is not a positive length",
+        ]
+    );
+    for problem in &problems[..2] {
+        let help = problem.help.as_deref().unwrap();
+        assert!(help.contains("make the material a Lambert surface") && help.contains("5.7.4"), "{help}");
+    }
+    // Nothing is written of a package that somebody says to be of another version.
+    let (mut package, _) = dart::from_scene(&rich(), &options(TargetVersion::V5_7_4)).unwrap();
+    package.simulation.version = TargetVersion::V5_11_0.version();
     let scratch = Scratch::new();
     let error = dart::write(&package, &scratch.path().join("out"), false, &unwatched).unwrap_err().to_string();
-    assert!(error.contains("\"hapke\"") && error.contains("5.11.0"), "{error}");
+    assert!(error.contains("\"hapke\"") && error.contains("\"rpv\"") && error.contains("5.11.0"), "{error}");
     assert_eq!(scratch.path().read_dir().unwrap().count(), 0, "something was left behind");
 }
 

@@ -32,6 +32,7 @@ mod coregister;
 mod dart_cameras;
 #[cfg(feature = "sqlite")]
 mod dart_database;
+mod dart_fields;
 #[cfg(feature = "sqlite")]
 mod dart_mandatory;
 mod dart_outline;
@@ -42,6 +43,7 @@ mod dart_read;
 mod dart_sheets;
 #[cfg(feature = "sqlite")]
 mod dart_silence;
+mod dart_temperatures;
 mod dart_terrain;
 mod dart_write;
 mod determinism;

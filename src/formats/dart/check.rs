@@ -17,13 +17,14 @@ use super::folder::Folder;
 use super::frame;
 use super::groups;
 use super::mandatory::{self, MissingKind};
-use super::object::{reaches_beyond, seen_facets, standing};
+use super::object::{is_outside, reaches_beyond, seen_facets, standing};
 use super::read::coeff_diff::{factor_node, factors_of_bands, uses_factors};
+use super::read::object_3d::first_exponent;
 use super::read::sequence::count;
 use super::read::{FILES, Inputs, ReadOptions, read, terrain};
 use super::sidecar::{self, Sidecar};
 use super::to_scene::nanometres;
-use super::{Links, Object, OpticalKind, OpticalProperty, Simulation, Version};
+use super::{FieldInstance, Links, Object, OpticalKind, OpticalProperty, Simulation, Version};
 use crate::formats::input;
 
 /// How bad a finding is.
@@ -106,6 +107,7 @@ pub fn check(path: &Path, options: &ReadOptions, summary_of: SummaryOf<'_>) -> V
     check.objects();
     check.fields();
     check.terrain();
+    check.temperatures();
     check.cameras();
     for sequence in &simulation.sequences {
         check.findings.extend(count(sequence).err().map(unreadable).unwrap_or_default());
@@ -416,7 +418,8 @@ impl<'a> Checker<'a> {
         for link in links {
             self.link(link);
         }
-        for object in simulation.objects.iter().filter(|o| o.links.is_none() && !o.hidden) {
+        let models = simulation.fields.iter().flat_map(|f| &f.models);
+        for object in simulation.objects.iter().chain(models).filter(|o| o.links.is_none() && !o.hidden) {
             for group in object.groups.iter().filter(|g| g.links.is_none() && !g.hidden) {
                 let what = format!("the group `{}` has no optical property", group.name);
                 self.error(&group.at, what, "has nothing to make it of", "link it to one");
@@ -477,28 +480,34 @@ impl<'a> Checker<'a> {
         let list = self.inputs.section("object_3d").and_then(|o| o.child("ObjectList"));
         let elements: Vec<&Element> = list.iter().flat_map(|l| l.all("Object")).collect();
         for (object, element) in simulation.objects.iter().zip(elements).filter(|(o, _)| !o.hidden) {
-            let obj = match load(self.folder, object) {
-                Ok(Some(obj)) => obj,
-                Ok(None) => {
-                    let what = format!("`{}` is not in the input folder", object.file);
-                    let at = element.at_attribute("file_src");
-                    self.error(&at, what, "looks there, then among its 3D objects", "copy the file there");
-                    continue;
-                }
-                Err(error) => {
-                    self.findings.extend(unreadable(error));
-                    continue;
-                }
-            };
-            self.groups(object, &obj);
-            self.axes(object, element, &obj);
-            let mesh = standing(object, &obj, &seen_facets(object, &obj, &simulation.version));
+            let Some((_, mesh)) = self.mesh(object, element) else { continue };
             if let Some(bounds_m) = mesh.bounds_m() {
                 self.ground(object, element, bounds_m);
                 self.edges(object, bounds_m);
             }
             self.normals(object, &mesh);
         }
+    }
+
+    /// An object's file, and its facets where the object stands; `None` if it cannot be read, which is said.
+    fn mesh(&mut self, object: &Object, element: &Element) -> Option<(ObjFile, Mesh)> {
+        let obj = match load(self.folder, object) {
+            Ok(Some(obj)) => obj,
+            Ok(None) => {
+                let what = format!("`{}` is not in the input folder", object.file);
+                let at = element.at_attribute("file_src");
+                self.error(&at, what, "looks there, then among its 3D objects", "copy the file there");
+                return None;
+            }
+            Err(error) => {
+                self.findings.extend(unreadable(error));
+                return None;
+            }
+        };
+        self.groups(object, &obj);
+        self.axes(object, element, &obj);
+        let mesh = standing(&object.place(), &obj, &seen_facets(object, &obj, &self.simulation.version));
+        Some((obj, mesh))
     }
 
     /// Objects that reach beyond the scene.
@@ -513,29 +522,60 @@ impl<'a> Checker<'a> {
             "`{}` {how} the scene: it spans x {} to {} and y {} to {} m of 0 to {x} and 0 to {y}",
             object.name, low.x, high.x, low.y, high.y
         );
-        let effect = match object.repeated_on_border {
-            true => "lets it come in at the other side (`repeatedOnBorder`)",
-            false => "may leave out what is beyond: it is not documented",
-        };
-        self.warning(&object.at, what, effect, "move it, or make the scene larger");
+        self.warning(&object.at, what, beyond_edge(object), "move it, or make the scene larger");
     }
 
-    /// The texts of object fields, and the meshes of their models, are there.
+    /// The texts of object fields, the meshes of their models, and where these stand.
     fn fields(&mut self) {
         let simulation = self.simulation;
-        for field in &simulation.fields {
-            let models = field.models.iter().map(|model| (&model.file, &model.at));
-            for (file, at) in std::iter::once((&field.file, &field.at)).chain(models) {
-                if let Ok(None) = self.folder.locate(file, at) {
-                    self.error(
-                        at,
-                        format!("`{file}` is not in the input folder"),
-                        "looks there",
-                        "copy the file there",
-                    );
+        let size_m = simulation.maket.size_m;
+        let list = self.inputs.section("object_3d").and_then(|o| o.child("ObjectFields"));
+        let elements: Vec<&Element> = list.iter().flat_map(|l| l.all("Field")).collect();
+        for (field, element) in simulation.fields.iter().zip(elements) {
+            match self.folder.locate(&field.file, &field.at) {
+                Ok(None) => {
+                    let what = format!("`{}` is not in the input folder", field.file);
+                    self.error(&field.at, what, "looks there", "copy the file there");
+                }
+                Ok(Some(path)) => self.text(&path),
+                // Told by what has been read.
+                Err(_) => {}
+            }
+            let outside = field.places.iter().filter(|place| is_outside(place, size_m)).count();
+            if outside > 0 {
+                let what = format!("{outside} of {} places lie outside of the scene", field.places.len());
+                self.warning(&field.at, what, "leaves them out", "move them, or make the scene larger");
+            }
+            let list = element.child("ModelList");
+            let elements: Vec<&Element> = list.iter().flat_map(|l| l.all("Object")).collect();
+            for (number, (model, element)) in field.models.iter().zip(elements).enumerate() {
+                if model.hidden {
+                    continue;
+                }
+                let Some((obj, mesh)) = self.mesh(model, element) else { continue };
+                self.normals(model, &mesh);
+                let facets = seen_facets(model, &obj, &simulation.version);
+                let is_beyond = |place: &&FieldInstance| {
+                    place.model as usize == number && !is_outside(place, size_m) && {
+                        let bounds_m = standing(place, &obj, &facets).bounds_m();
+                        bounds_m.is_some_and(|bounds_m| reaches_beyond(bounds_m, size_m))
+                    }
+                };
+                let beyond = field.places.iter().filter(is_beyond).count();
+                if beyond > 0 {
+                    let what = format!("`{}` reaches beyond the scene at {beyond} of its places", model.name);
+                    self.warning(&model.at, what, beyond_edge(model), "move them, or make the scene larger");
                 }
             }
         }
+    }
+
+    /// Numbers of a field's text that DART does not read.
+    fn text(&mut self, path: &Path) {
+        // What cannot be read has been told.
+        let Ok(Some(at)) = first_exponent(path) else { return };
+        let what = "a number with an exponent";
+        self.warning(&at, what, "wants plain decimal numbers here, by its manual", "write its digits out");
     }
 
     /// The numbers of groups, which alone bind them to those of the OBJ file.
@@ -585,9 +625,7 @@ impl<'a> Checker<'a> {
     /// OBJ files stand upright on y.
     fn axes(&mut self, object: &Object, element: &Element, obj: &ObjFile) {
         // All that is in the file, as it lies there.
-        let (position_m, scale, rotation_deg) = (DVec3::ZERO, DVec3::ONE, DVec3::ZERO);
-        let file = Object { position_m, scale, rotation_deg, ..object.clone() };
-        let mesh = standing(&file, obj, &Vec::from_iter(0..obj.facets.len()));
+        let mesh = standing(&FieldInstance::default(), obj, &Vec::from_iter(0..obj.facets.len()));
         let Some((low, high)) = mesh.bounds_m() else { return };
         let size = high - low;
         let given = element.descendant("Dimension3D").and_then(|d| {
@@ -664,6 +702,18 @@ impl<'a> Checker<'a> {
         }
     }
 
+    /// The file of cells' temperatures is there.
+    fn temperatures(&mut self) {
+        let Simulation { phase, thermal, .. } = self.simulation;
+        let glows = phase.bands.iter().any(|band| band.mode != 0);
+        let is_used = phase.temperature_mode == 1 && glows && thermal.iter().any(|function| !function.overrides_cells);
+        let node = self.inputs.section("Phase").and_then(|section| section.descendant("TemperatureFile"));
+        if let Some(node) = node.filter(|_| is_used && phase.cells.is_none()) {
+            let what = format!("`{}` is not in the input folder", node.get("temperatureFileName").unwrap_or_default());
+            self.error(&node.at_attribute("temperatureFileName"), what, "looks there", "copy the file there");
+        }
+    }
+
     /// Facets show their backs.
     fn normals(&mut self, object: &Object, mesh: &Mesh) {
         let is_same = |front: &Option<Links>, back: &Option<Links>| match (front, back) {
@@ -733,6 +783,14 @@ impl<'a> Checker<'a> {
                 self.warning(&camera.at, what, effect, "turn the scene instead, or look at a first image");
             }
         }
+    }
+}
+
+/// What DART does with an object's part beyond the scene's edge.
+fn beyond_edge(object: &Object) -> &'static str {
+    match object.repeated_on_border {
+        true => "lets it come in at the other side (`repeatedOnBorder`)",
+        false => "may leave out what is beyond: it is not documented",
     }
 }
 

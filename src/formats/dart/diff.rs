@@ -15,11 +15,12 @@ use super::frame;
 use super::read::unread::{self, ROUNDING};
 use super::read::{self, Inputs, ReadOptions};
 use super::simulation::{
-    Directions, FieldInstance, Group, Links, Maket, Object, ObjectField, OpticalProperty, Phase, Pinhole, Sequence,
-    SequenceEntry, SequenceGroup, Simulation, SpectralInterval, ThermalFunction, Topography, Version,
+    CellTemperatures, Directions, FieldInstance, Group, Links, Maket, Object, ObjectField, OpticalProperty, Phase,
+    Pinhole, Sequence, SequenceEntry, SequenceGroup, Simulation, SpectralInterval, ThermalFunction, Topography,
+    Version,
 };
 
-/// At most this many attributes that are not read are listed one by one.
+/// At most this many attributes that are not read, and differences of a field's places, are listed one by one.
 const TOLD: usize = 10;
 
 /// How the inputs of two simulations differ, one line each: as [`diff`], then ignored content that differs, and the
@@ -88,7 +89,13 @@ pub fn diff(a: &Simulation, b: &Simulation) -> Vec<String> {
         // What its text holds are its places.
         let ObjectField { name: _, file: _, models, places, at: _ } = x;
         lines.each(&format!("{at} Object"), models, &y.models, |lines, at, x, y| lines.object(at, (a, x), (b, y)));
+        let before = lines.0.len();
         lines.each(&format!("{at} place"), places, &y.places, Lines::placement);
+        let more = (lines.0.len() - before).saturating_sub(TOLD);
+        if more > 0 {
+            lines.0.truncate(before + TOLD);
+            lines.0.push(format!("{at}: and {more} more differences of places"));
+        }
     });
     lines.phase(phase, &b.phase);
     let Directions { sun_deg, views_deg, at: _ } = directions;
@@ -174,7 +181,7 @@ impl Lines {
     }
 
     fn phase(&mut self, a: &Phase, b: &Phase) {
-        let Phase { bands, irradiance_mode, irradiance, radiance_products, cameras } = a;
+        let Phase { bands, irradiance_mode, irradiance, temperature_mode, cells, radiance_products, cameras } = a;
         self.each("phase.xml SpectralIntervalsProperties", bands, &b.bands, |lines, at, x, y| {
             let SpectralInterval { mean_um, width_um, mode, at: _ } = x;
             lines.numbers(&format!("{at} meanLambda, um"), &[*mean_um], &[y.mean_um], 0.0);
@@ -191,9 +198,27 @@ impl Lines {
                 (x, y) => lines.differ(at, x, y),
             });
         }
+        self.differ("phase.xml SpectralDomainTir/@temperatureMode", temperature_mode, &b.temperature_mode);
+        self.cells(cells.as_ref(), b.cells.as_ref());
         let (products_a, products_b) = (radiance_products, &b.radiance_products);
         self.differ("phase.xml BrfProductsProperties/@luminanceProducts", products_a, products_b);
         self.each("phase.xml camera", cameras, &b.cameras, Lines::camera);
+    }
+
+    fn cells(&mut self, a: Option<&CellTemperatures>, b: Option<&CellTemperatures>) {
+        let at = "phase.xml TemperatureFile";
+        let count = |cells: Option<&CellTemperatures>| {
+            // Its name says nothing.
+            let CellTemperatures { file: _, count, values_k: _, at: _ } = cells?;
+            Some(*count)
+        };
+        self.differ(&format!("{at}, cells"), &count(a), &count(b));
+        let pairs = a.zip(b).filter(|(a, b)| a.count == b.count).into_iter();
+        let pairs: Vec<_> =
+            pairs.flat_map(|(a, b)| a.values_k.iter().zip(&b.values_k)).filter(|(a, b)| a != b).collect();
+        if let Some((a, b)) = pairs.first() {
+            self.push(&format!("{at}, {} temperatures, the first, K", pairs.len()), &a.to_string(), &b.to_string());
+        }
     }
 
     fn object(&mut self, at: &str, (of_a, a): (&Simulation, &Object), (of_b, b): (&Simulation, &Object)) {
@@ -264,13 +289,16 @@ impl Lines {
         }
         let temperatures = |s: &Simulation, index: u32| -> Vec<f64> {
             let range = |t: &ThermalFunction| {
-                let ThermalFunction { ident: _, mean_k, range_k, at: _ } = t;
+                let ThermalFunction { ident: _, mean_k, range_k, overrides_cells: _, at: _ } = t;
                 vec![*mean_k, *range_k]
             };
             s.thermal.get(index as usize).map_or(vec![], range)
         };
         let (x, y) = (temperatures(of_a, *thermal_index), temperatures(of_b, b.thermal_index));
         self.numbers(&format!("{at} temperature, mean and range, K"), &x, &y, 1.0);
+        let overrides = |s: &Simulation, index: u32| s.thermal.get(index as usize).is_some_and(|t| t.overrides_cells);
+        let (x, y) = (overrides(of_a, *thermal_index), overrides(of_b, b.thermal_index));
+        self.differ(&format!("{at} override3DMatrix"), &x, &y);
     }
 
     fn camera(&mut self, at: &str, a: &Pinhole, b: &Pinhole) {

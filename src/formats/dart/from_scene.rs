@@ -8,7 +8,7 @@ mod surfaces;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Location, Problem, Result};
 use crate::geometry::{Copies, Direction, FrameCamera, Mesh, index_u32, whole};
 use crate::physics::sun;
 use crate::physics::sun_disc::share_beside_sphere;
@@ -17,7 +17,7 @@ use crate::scene::{Globe, Photometry, Scene, Setup, Sky, SunModel, Thermal};
 use crate::spectral::{Band, Response, SpectralLibrary};
 
 use super::frame;
-use super::inputs::TargetVersion;
+use super::inputs::{TargetVersion, unknown};
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Directions, Group, Links, Maket, Object, ObjectField, Phase, Pinhole, Simulation};
 pub(super) use fields::text as places_text;
@@ -137,7 +137,7 @@ const DISTANT: f64 = 5.0;
 /// scene's corner, with a margin of at most half a cell.
 ///
 /// # Errors
-/// [`Error::Invalid`] for a cell that is not a length.
+/// [`Error::Invalid`] for a cell that is not a length, and materials that the version is not known to have.
 pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package, Report)> {
     let mut report = Report::default();
     let dart_from_body = frame::dart_from_body(scene.body.origin_m);
@@ -146,11 +146,17 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
     mesh.face_of_facet = Vec::new();
     let (low_m, high_m) = mesh.bounds_m().unwrap_or_default();
     let size_m = high_m - low_m;
+    let names = unique_names(scene);
+    let optical = optical(scene, &names);
+    let mut problems = unknown(&optical, options.target);
+    if let Some(cell_m) = options.cell_m.filter(|cell_m| !(*cell_m > 0.0 && cell_m.is_finite())) {
+        problems.push(Problem::new(Location::item("cell"), format!("{cell_m} m is not a positive length")));
+    }
+    if !problems.is_empty() {
+        return Err(Error::Invalid(problems));
+    }
     let cell_m = match options.cell_m {
-        Some(cell_m) if cell_m > 0.0 && cell_m.is_finite() => cell_m,
-        Some(cell_m) => {
-            return Err(Error::invalid(Location::item("cell"), format!("{cell_m} m is not a positive length")));
-        }
+        Some(cell_m) => cell_m,
         None => {
             let cell_m = pixel_m(scene, size_m);
             let message = format!("cells of {cell_m} m: about what a pixel of the camera sees");
@@ -163,7 +169,6 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
     let origin_in_dart_m = 0.5 * (extent_m - size_m) - low_m;
     let site = Site { scene, dart_from_body, origin_in_dart_m };
 
-    let names = unique_names(scene);
     let links = links(scene, &names);
     let thermal = thermal_functions(scene);
     // Of 5.11 fields are not known.
@@ -191,12 +196,20 @@ pub fn from_scene(scene: &Scene, options: &SimulationOptions) -> Result<(Package
             latitude_longitude_altitude: frame::latitude_longitude_altitude(scene.body.origin_m),
             at: Location::item("maket"),
         },
-        optical: optical(scene, &names),
+        optical,
         thermal,
         objects: Vec::new(),
         fields: Vec::new(),
         sequences: Vec::new(),
-        phase: Phase { bands, irradiance_mode: 1, irradiance, radiance_products: true, cameras: vec![camera] },
+        phase: Phase {
+            bands,
+            irradiance_mode: 1,
+            irradiance,
+            temperature_mode: 0,
+            cells: None,
+            radiance_products: true,
+            cameras: vec![camera],
+        },
         directions: Directions {
             // A Sun without light stands in the zenith.
             sun_deg: frame::sun_deg(scene.body.origin_m, scene.sky.sun.direction).unwrap_or_default(),

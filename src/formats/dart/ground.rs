@@ -156,6 +156,14 @@ impl Ground {
         }
     }
 
+    /// Cuts a plane into so many cells along x and y.
+    pub(super) fn cut_into(&mut self, [x, y, _]: [usize; 3]) {
+        if !self.is_terrain {
+            self.cells = [x, y];
+            self.heights_m = vec![0.0; (x + 1) * (y + 1)];
+        }
+    }
+
     /// Height of the ground at a place, m. An isolated scene's continues level beyond its edges.
     pub(super) fn height_m(&self, x_m: f64, y_m: f64) -> f64 {
         let mut rise_m = 0.0;
@@ -283,6 +291,8 @@ pub(super) struct Standing {
     count: usize,
     /// What the ground below one of them differs by, m.
     relief_m: f64,
+    /// The last that stays where it stands: a model of a field is told once.
+    kept: Option<Location>,
 }
 
 impl Standing {
@@ -307,7 +317,10 @@ impl Standing {
             2 => return,
             _ => "says for each group whether it stands on the ground (`objectDEMMode` 3): it stays where it stands",
         };
-        report.note(Fate::Approximated, object.at.clone(), format!("{:?} {kept}", object.name));
+        if self.kept.as_ref() != Some(&object.at) {
+            self.kept = Some(object.at.clone());
+            report.note(Fate::Approximated, object.at.clone(), format!("{:?} {kept}", object.name));
+        }
     }
 
     /// Says where objects were put.

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Location, Problem, Result};
 use crate::formats::xml::Element;
 use crate::geometry::FrameCamera;
 
@@ -60,15 +60,22 @@ const FOCAL_LENGTH_M: f64 = 0.05;
 /// The files: name and root element. `boxes_m` are the lowest and highest coordinates of each object's OBJ, then of each field's model's, in DART's axes.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for a version that is not written, and for features not known in that version.
+/// [`Error::Unsupported`] for a version that is not written; [`Error::Invalid`] with all that is not known of that version.
 pub fn inputs(simulation: &Simulation, boxes_m: &[(DVec3, DVec3)]) -> Result<Vec<(&'static str, Element)>> {
     let writer = Writer { simulation, boxes_m, target: TargetVersion::of(&simulation.version)? };
-    if let Some(field) = simulation.fields.first().filter(|_| writer.is_5_11()) {
-        return writer.unsupported(&field.at, "objects that stand in many places");
+    let mut problems = unknown(&simulation.optical, writer.target);
+    let fields = simulation.fields.iter().filter(|_| writer.is_5_11());
+    problems.extend(fields.map(|field| not_known(&field.at, "objects that stand in many places", "write")));
+    if simulation.phase.temperature_mode != 0 {
+        let message = "temperatures of cells, layers or the atmosphere are read, and not written";
+        problems.push(Problem::new(Location::item("temperatureMode"), message));
+    }
+    if !problems.is_empty() {
+        return Err(Error::Invalid(problems));
     }
     let files = [
         ("maket.xml", writer.maket()),
-        ("coeff_diff.xml", writer.coeff_diff()?),
+        ("coeff_diff.xml", writer.coeff_diff()),
         ("object_3d.xml", writer.object_3d()),
         ("phase.xml", writer.phase()?),
         ("directions.xml", writer.directions()),
@@ -82,6 +89,34 @@ pub fn inputs(simulation: &Simulation, boxes_m: &[(DVec3, DVec3)]) -> Result<Vec
     let Version { version, build } = &simulation.version;
     let root = |content| Element::new("DartFile").with("version", version).with("build", build).and(content);
     Ok(files.into_iter().map(|(name, content)| (name, root(content))).collect())
+}
+
+/// What of these optical properties is not known in a version: a problem for each.
+pub(super) fn unknown(optical: &[OpticalProperty], target: TargetVersion) -> Vec<Problem> {
+    let of = |property: &OpticalProperty| {
+        let OpticalProperty { kind, ident, model, factors, at, .. } = property;
+        if model.is_empty() {
+            let message = format!("the spectrum of {ident:?} as a text is read, and not written");
+            return Some(Problem::new(at.clone(), message).with_help("put it into a database"));
+        }
+        let what = match kind {
+            _ if target == TargetVersion::V5_7_4 => return None,
+            OpticalKind::Hapke => "Hapke's reflectance",
+            OpticalKind::Rpv => "the RPV reflectance",
+            OpticalKind::Lambertian if factors.is_empty() => return None,
+            OpticalKind::Lambertian => "multiplicative factors",
+        };
+        Some(not_known(at, what, "make the material a Lambert surface, or write"))
+    };
+    optical.iter().filter_map(of).collect()
+}
+
+/// Something that 5.11 was never seen to write.
+fn not_known(at: &Location, what: &str, instead: &str) -> Problem {
+    let message = format!("how DART 5.11.0 has {what} is not known");
+    Problem::new(at.clone(), message).with_help(format!(
+        "{instead} for DART 5.7.4 (`--dart-version 5.7.4`): its upgrader takes that to later versions"
+    ))
 }
 
 /// What of the inputs depends on the moment: the Sun and views, then bands, irradiances and cameras.
@@ -157,16 +192,15 @@ impl Writer<'_> {
         root
     }
 
-    fn coeff_diff(&self) -> Result<Element> {
-        let list = |kind, name: &str| -> Result<Element> {
+    fn coeff_diff(&self) -> Element {
+        let list = |kind, name: &str| {
             let of_kind = self.simulation.optical.iter().filter(|p| p.kind == kind);
-            let entries: Vec<_> = of_kind.map(|p| self.optical_property(p)).collect::<Result<_>>()?;
-            Ok(Element::new(name).and_all(entries))
+            Element::new(name).and_all(of_kind.map(|p| self.optical_property(p)))
         };
         let surfaces = [
-            list(OpticalKind::Lambertian, "LambertianMultiFunctions")?,
-            list(OpticalKind::Hapke, "HapkeSpecularMultiFunctions")?,
-            list(OpticalKind::Rpv, "RPVMultiFunctions")?,
+            list(OpticalKind::Lambertian, "LambertianMultiFunctions"),
+            list(OpticalKind::Hapke, "HapkeSpecularMultiFunctions"),
+            list(OpticalKind::Rpv, "RPVMultiFunctions"),
         ];
         let volumes = [
             Element::new("UnderstoryMultiFunctions")
@@ -179,27 +213,19 @@ impl Writer<'_> {
             Element::new("Temperatures").and_all(self.simulation.thermal.iter().map(|t| self.thermal_function(t)));
         let root = Element::new("Coeff_diff").with("fluorescenceFile", false).with("fluorescenceProducts", false);
         if !self.is_5_11() {
-            return Ok(root.and_all(surfaces).and_all(volumes).and(temperatures));
+            return root.and_all(surfaces).and_all(volumes).and(temperatures);
         }
         let surfaces = Element::new("Surfaces").and_all(surfaces).and(Element::new("PhaseExternMultiFunctions"));
-        Ok(root
-            .with("useCombinedYield", false)
+        root.with("useCombinedYield", false)
             .with("linkOpticalTemperatures", "")
             .and(surfaces)
             .and(Element::new("Volumes").and_all(volumes))
-            .and(temperatures))
+            .and(temperatures)
     }
 
-    fn optical_property(&self, property: &OpticalProperty) -> Result<Element> {
+    fn optical_property(&self, property: &OpticalProperty) -> Element {
         let OpticalProperty { ident, database, model, .. } = property;
-        if model.is_empty() {
-            return self.unsupported(&property.at, &format!("the spectrum of {ident:?} as a text"));
-        }
         let has_factors = !property.factors.is_empty();
-        if self.is_5_11() && (has_factors || property.kind != OpticalKind::Lambertian) {
-            let what = if has_factors { "multiplicative factors" } else { "Hapke's and RPV's reflectance" };
-            return self.unsupported(&property.at, what);
-        }
         if property.kind == OpticalKind::Lambertian {
             let leaf = Element::new("ProspectExternalModule")
                 .with("useProspectExternalModule", false)
@@ -208,13 +234,13 @@ impl Writer<'_> {
             let entry = entry.with("useMultiplicativeFactorForLUT", has_factors);
             let of_model =
                 |e: Element| e.with("ModelName", model).with("databaseName", database).with("useSpecular", false);
-            return Ok(match self.target {
+            return match self.target {
                 TargetVersion::V5_7_4 => of_model(entry).and(leaf).and_all(factors(property)),
                 TargetVersion::V5_11_0 => entry
                     .with("lambertianDefinition", 0)
                     .with("useDirectionalDirectTransmittance", false)
                     .and(of_model(Element::new("Lambertian")).and(leaf)),
-            });
+            };
         }
         let mut entry = Element::new(match property.kind {
             OpticalKind::Rpv => "RPVMulti",
@@ -233,7 +259,7 @@ impl Writer<'_> {
         if property.kind == OpticalKind::Hapke {
             entry = entry.with("useExternalModule", false);
         }
-        Ok(entry.and_all(factors(property)))
+        entry.and_all(factors(property))
     }
 
     fn thermal_function(&self, function: &ThermalFunction) -> Element {
@@ -242,7 +268,7 @@ impl Writer<'_> {
             .with("meanT", function.mean_k)
             .with("deltaT", function.range_k)
             .with("useOpticalFactorMatrix", false)
-            .with("override3DMatrix", false)
+            .with("override3DMatrix", function.overrides_cells)
             .with("singleTemperatureSurface", true);
         self.new_in_5_11(element, "usePrecomputedIPARs", false)
     }

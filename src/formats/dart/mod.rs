@@ -39,9 +39,9 @@ pub use read::sequence::{Step, flight, rows};
 pub use read::{ReadOptions, read, terrain};
 pub use sidecar::Sidecar;
 pub use simulation::{
-    Directions, FieldInstance, Group, Links, Maket, Object, ObjectField, OpticalKind, OpticalProperty, Phase, Pinhole,
-    Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation, SpectralInterval, ThermalFunction, Topography,
-    Version,
+    CellTemperatures, Directions, FieldInstance, Group, Links, Maket, Object, ObjectField, OpticalKind,
+    OpticalProperty, Phase, Pinhole, Sequence, SequenceEntry, SequenceGroup, SequenceValues, Simulation,
+    SpectralInterval, ThermalFunction, Topography, Version,
 };
 pub use to_scene::{Converted, SceneOptions, to_scene};
 pub(super) use to_scene::{MARS, has_mars};

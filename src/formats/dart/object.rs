@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::formats::obj::ObjFile;
 use crate::geometry::{Mesh, index_u32};
 
-use super::simulation::{Object, Version};
+use super::simulation::{FieldInstance, Object, Version};
 use super::{frame, groups};
 
 /// The facets of an object's file that no hidden group owns: DART ignores those.
@@ -21,14 +21,15 @@ pub(super) fn seen_facets(object: &Object, obj: &ObjFile, version: &Version) -> 
     (0..obj.facets.len()).filter(is_seen).collect()
 }
 
-/// These facets of an object's file in the simulation's frame, m, where its position says, before anything is dropped to the ground;
-/// without materials. Outside stays outside where a scale mirrors.
-pub(super) fn standing(object: &Object, obj: &ObjFile, facets: &[usize]) -> Mesh {
-    let turned = frame::object_rotation(object.rotation_deg);
-    let is_turned = object.rotation_deg != DVec3::ZERO;
+/// These facets of an object's file in the simulation's frame, m, at this place, before anything is dropped to the ground; without
+/// materials. Outside stays outside where a scale mirrors.
+pub(super) fn standing(place: &FieldInstance, obj: &ObjFile, facets: &[usize]) -> Mesh {
+    let FieldInstance { position_m, scale, rotation_deg, .. } = *place;
+    let turned = frame::object_rotation(rotation_deg);
+    let is_turned = rotation_deg != DVec3::ZERO;
     let placed = |vertex: &DVec3| {
-        let v = object.scale * frame::dart_from_obj(*vertex);
-        object.position_m + if is_turned { turned * v } else { v }
+        let v = scale * frame::dart_from_obj(*vertex);
+        position_m + if is_turned { turned * v } else { v }
     };
     let mut mesh = Mesh {
         vertices_m: obj.vertices.iter().map(placed).collect(),
@@ -40,10 +41,15 @@ pub(super) fn standing(object: &Object, obj: &ObjFile, facets: &[usize]) -> Mesh
         },
         uv: vec![],
     };
-    if object.scale.x * object.scale.y * object.scale.z < 0.0 {
+    if scale.x * scale.y * scale.z < 0.0 {
         mesh.flip();
     }
     mesh
+}
+
+/// Whether DART leaves out what a field has at this place, in a scene of this size, m.
+pub(super) fn is_outside(place: &FieldInstance, [x, y]: [f64; 2]) -> bool {
+    !((0.0..=x).contains(&place.position_m.x) && (0.0..=y).contains(&place.position_m.y))
 }
 
 /// Whether what spans this, m, reaches beyond the edges of a scene of this size, m.

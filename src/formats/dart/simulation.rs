@@ -119,6 +119,8 @@ pub struct ThermalFunction {
     pub mean_k: f64,
     /// K.
     pub range_k: f64,
+    /// What has it has no temperatures of cells.
+    pub overrides_cells: bool,
     /// Where it stands.
     pub at: Location,
 }
@@ -172,6 +174,12 @@ pub struct Object {
 }
 
 impl Object {
+    /// Where it stands, as a field has it of its models.
+    pub fn place(&self) -> FieldInstance {
+        let Object { position_m, scale, rotation_deg, .. } = *self;
+        FieldInstance { model: 0, position_m, scale, rotation_deg }
+    }
+
     /// Whether it says what some of its backs are made of.
     pub fn has_backs(&self) -> bool {
         self.back.is_some() || self.groups.iter().any(|group| group.back.is_some())
@@ -213,7 +221,7 @@ pub struct ObjectField {
 }
 
 /// A place in an object field: with its scale and rotation instead of the model's own.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FieldInstance {
     /// Index of the model.
     pub model: u32,
@@ -223,6 +231,13 @@ pub struct FieldInstance {
     pub scale: DVec3,
     /// As in [`Object::rotation_deg`].
     pub rotation_deg: DVec3,
+}
+
+impl Default for FieldInstance {
+    /// As the file has it.
+    fn default() -> Self {
+        FieldInstance { model: 0, position_m: DVec3::ZERO, scale: DVec3::ONE, rotation_deg: DVec3::ZERO }
+    }
 }
 
 impl ObjectField {
@@ -292,10 +307,27 @@ pub struct Phase {
     pub irradiance_mode: u32,
     /// Irradiance, W m-2 um-1, and share of diffuse light, for each band; `None` for one of which it is not said.
     pub irradiance: Vec<Option<(f64, f64)>>,
+    /// `temperatureMode`: 0 by illumination, 1 of cells, 2 of layers, 3 of the atmosphere.
+    pub temperature_mode: u32,
+    /// Temperatures of cells, where they count: some band sees heat, and some thermal function leaves it to them.
+    pub cells: Option<CellTemperatures>,
     /// Radiance products are written.
     pub radiance_products: bool,
     /// Cameras.
     pub cameras: Vec<Pinhole>,
+}
+
+/// Temperatures of the scene's cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellTemperatures {
+    /// Path as written.
+    pub file: String,
+    /// Cells along x and y, and layers.
+    pub count: [usize; 3],
+    /// From the lowest layer up, line after line along y, K.
+    pub values_k: Vec<f64>,
+    /// Where the file is named.
+    pub at: Location,
 }
 
 /// A spectral band.

@@ -2,6 +2,7 @@
 
 mod mars;
 mod mesh;
+mod temperatures;
 
 pub(in crate::formats) use mars::{FOLDER as MARS, has_mars};
 
@@ -27,11 +28,12 @@ use crate::units::AU_M;
 use super::database::Database;
 use super::folder::Folder;
 use super::frame;
-use super::from_scene::{camera_deg, intervals, irradiance, spectra, tabulated, thermal_functions, width_um};
+use super::from_scene::{camera_deg, irradiance, spectra, tabulated, width_um};
 use super::place::{SAME, SceneFrame, same, same_all};
 use super::sidecar::{self, Sidecar};
 use super::simulation::{Links, OpticalKind, OpticalProperty, Pinhole, Simulation, SpectralInterval};
 use super::text_spectra;
+use temperatures::{LinkedMaterials, Warmth, named};
 
 /// What a conversion needs besides the simulation.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -119,8 +121,8 @@ impl SceneBuilder<'_> {
         self.wavelengths()?;
         let bands = self.bands();
         let sun = self.sun(&place, &bands);
-        let (materials, material_of) = self.materials(&bands)?;
-        let mesh = self.mesh(&place, &material_of)?;
+        let (mut materials, linked) = self.materials(&bands)?;
+        let mesh = self.mesh(&place, &mut materials, &linked)?;
         let camera = self.camera(&place, &mesh);
         let others = self.simulation.phase.cameras.iter().skip(1);
         let others = others.map(|other| (self.pinhole(other, &place), other.at.clone())).collect();
@@ -138,7 +140,7 @@ impl SceneBuilder<'_> {
             },
         };
         let scene = self.with_mars(scene, &place);
-        Ok((Scene::new(self.with_thermal(scene))?, others))
+        Ok((Scene::new(self.with_thermal(scene)?)?, others))
     }
 
     /// The sky under this Sun, with what was written beside the simulation for this place.
@@ -301,13 +303,18 @@ impl SceneBuilder<'_> {
         Sun { total_irradiance_1au_w_m2: all.unwrap_or(total), ..sun }
     }
 
-    /// Materials, and which of them an optical property is: by its place in the simulation's list.
-    fn materials(&mut self, bands: &[Band]) -> Result<(Vec<Material>, Vec<Option<usize>>)> {
+    /// Materials, and which of them links lead to.
+    fn materials(&mut self, bands: &[Band]) -> Result<(Vec<Material>, LinkedMaterials)> {
         let simulation = self.simulation;
-        let mut is_linked = vec![false; simulation.optical.len()];
+        let mut warmths: Vec<Vec<Warmth>> = vec![Vec::new(); simulation.optical.len()];
         for links in self.links() {
-            is_linked[self.property(links)?] = true;
+            let property = self.property(links)?;
+            let warmth = self.warmth(links, property)?;
+            if !warmths[property].contains(&warmth) {
+                warmths[property].push(warmth);
+            }
         }
+        let is_linked: Vec<bool> = warmths.iter().map(|of_property| !of_property.is_empty()).collect();
         let ground = self.property(&simulation.maket.ground)?;
         let is_ground = |i: usize| simulation.maket.ground_enabled && i == ground;
         let mut found = Vec::new();
@@ -340,7 +347,35 @@ impl SceneBuilder<'_> {
                 default.get_or_insert(&property.at);
                 material(property, table)
             });
-            found.push((i, material));
+            let mut of_property = std::mem::take(&mut warmths[i]);
+            if is_ground(i) {
+                of_property.push(self.warmth(&simulation.maket.ground, i)?);
+            }
+            if of_property.is_empty() {
+                of_property.push(Warmth::Modelled);
+            }
+            // The first keeps its name.
+            of_property.sort_by_key(|warmth| match warmth {
+                Warmth::Modelled => 0,
+                Warmth::OfCell => 1,
+                Warmth::Held(_) => 2,
+            });
+            for (n, warmth) in of_property.iter().enumerate().filter(|(n, warmth)| !of_property[..*n].contains(warmth))
+            {
+                let mut material = material.clone();
+                material.temperature_k = match warmth {
+                    Warmth::Held(t_k) => Some(*t_k),
+                    Warmth::Modelled | Warmth::OfCell => None,
+                };
+                if n > 0 {
+                    let is_taken = |name: &str| {
+                        let is_found = found.iter().any(|(_, other): &(_, Material)| other.name == name);
+                        is_found || simulation.optical.iter().any(|other| other.ident == name)
+                    };
+                    material.name = named(is_taken, &material.name, material.temperature_k);
+                }
+                found.push(((i, *warmth), material));
+            }
         }
         if let Some(at) = default {
             let message = format!(
@@ -352,9 +387,9 @@ impl SceneBuilder<'_> {
         if let Some(sidecar) = &self.sidecar {
             found.sort_by_key(|(_, material)| sidecar.place_of(&material.name).unwrap_or(usize::MAX));
         }
-        let mut material_of = vec![None; simulation.optical.len()];
-        for (place, (i, material)) in found.iter_mut().enumerate() {
-            material_of[*i] = Some(place);
+        let mut linked = LinkedMaterials::default();
+        for (place, ((property, warmth), material)) in found.iter_mut().enumerate() {
+            linked.put(*property, *warmth, place);
             if material.mixture.is_empty() {
                 material.mixture = vec![(place, 1.0)];
             }
@@ -366,7 +401,7 @@ impl SceneBuilder<'_> {
                 material.mixture = vec![(i, 1.0)];
             }
         }
-        Ok((materials, material_of))
+        Ok((materials, linked))
     }
 
     /// Links of visible objects, those of their backs too.
@@ -395,9 +430,10 @@ impl SceneBuilder<'_> {
     /// Whether the ground, of this table, neither reflects nor glows.
     fn is_sky(&self, kind: OpticalKind, table: &[Spectrum]) -> bool {
         let thermal = self.simulation.thermal.get(self.simulation.maket.ground.thermal_index as usize);
+        let has_cells = self.simulation.phase.cells.is_some();
         kind == OpticalKind::Lambertian
             && table[0].value().iter().all(|v| *v == 0.0)
-            && thermal.is_some_and(|t| t.mean_k == 0.0 && t.range_k == 0.0)
+            && thermal.is_some_and(|t| t.mean_k == 0.0 && t.range_k == 0.0 && (t.overrides_cells || !has_cells))
             // Hills hide what is behind them.
             && self.simulation.maket.topography.is_none()
     }
@@ -631,46 +667,6 @@ impl SceneBuilder<'_> {
             let message = format!("{others} parallel views: a scene has one camera");
             self.note(Fate::Dropped, &directions.at, message);
         }
-    }
-
-    /// The thermal model: the one that these temperatures were made of, or the one that is nearest.
-    fn with_thermal(&mut self, mut scene: Setup) -> Setup {
-        let simulation = self.simulation;
-        if let Some(sidecar) = &self.sidecar {
-            // How Mars lights the scene is told by its own files.
-            let kept = sidecar.models();
-            let conduction = kept.conduction.filter(|_| scene.sky.rotation.is_some());
-            scene.models = Models { mars_light: scene.models.mars_light, conduction, ..kept };
-            let functions = thermal_functions(&scene);
-            let modes = intervals(&scene, &functions);
-            let is_same = functions.len() == simulation.thermal.len()
-                && functions
-                    .iter()
-                    .zip(&simulation.thermal)
-                    .all(|(a, b)| same(a.mean_k, b.mean_k) && same(a.range_k, b.range_k));
-            if is_same {
-                // What a band with both is written as is what matters of them; another mode was put there by hand.
-                for ((band, written), given) in scene.exposure.bands.iter_mut().zip(modes).zip(&simulation.phase.bands)
-                {
-                    if written.mode != given.mode {
-                        band.light = light(given.mode);
-                    }
-                }
-                return scene;
-            }
-        }
-        for (band, given) in scene.exposure.bands.iter_mut().zip(&simulation.phase.bands) {
-            band.light = light(given.mode);
-        }
-        if simulation.phase.bands.iter().all(|band| band.mode == 0) {
-            scene.models.thermal = Thermal::Off;
-            return scene;
-        }
-        let at = simulation.thermal.first().map_or(Location::item("thermal"), |t| t.at.clone());
-        let message = "temperatures are spread between two ends by sunlight: taken to be those of equilibrium";
-        self.note(Fate::Approximated, &at, message);
-        scene.models.thermal = Thermal::Equilibrium;
-        scene
     }
 }
 

@@ -192,7 +192,7 @@ pub(super) fn links(scene: &Scene, names: &[(String, String)]) -> Vec<Links> {
 }
 
 /// Temperatures, one for each material and one for the ground: DART makes T^4 linear in sunlight between the two ends, as the
-/// equilibrium is. The cold end is a surface without sunlight (that faces up, under Mars), the hot one the facet that faces the Sun most.
+/// equilibrium is; both are one of what is held at a temperature. The cold end is a surface without sunlight (that faces up, under Mars), the hot one the facet that faces the Sun most.
 pub(in super::super) fn thermal_functions(scene: &Setup) -> Vec<ThermalFunction> {
     let towards = scene.sky.sun.direction.vec();
     let facets = 0..scene.body.mesh.facets.len();
@@ -221,11 +221,16 @@ pub(in super::super) fn thermal_functions(scene: &Setup) -> Vec<ThermalFunction>
         ident,
         mean_k: 0.5 * (cold_k + hot_k),
         range_k: hot_k - cold_k,
+        overrides_cells: false,
         at: Location::item(place),
     };
     let names = unique_names(scene);
     let of_material = |(m, (ident, _)): (&Material, &(String, String))| {
-        function(format!("T_{ident}"), ends_k(m.bond_albedo, m.emissivity_bolometric), "thermal")
+        let ends_k = match m.temperature_k.filter(|_| scene.models.thermal != Thermal::Off) {
+            Some(held_k) => (held_k, held_k),
+            None => ends_k(m.bond_albedo, m.emissivity_bolometric),
+        };
+        function(format!("T_{ident}"), ends_k, "thermal")
     };
     let ground = function(format!("T_{}", names[scene.body.materials.len()].0), (0.0, 0.0), "ground");
     scene.body.materials.iter().zip(&names).map(of_material).chain([ground]).collect()

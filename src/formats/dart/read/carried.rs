@@ -1,7 +1,7 @@
 //! Which attributes of DART's inputs a [`Simulation`](super::Simulation) carries.
 
 /// Attributes whose values a simulation carries: they are compared by what they mean.
-pub(super) const CARRIED: [(&str, &str); 51] = [
+pub(super) const CARRIED: [(&str, &str); 53] = [
     ("Maket", "exactlyPeriodicScene"),
     ("CellDimensions", "x z"),
     ("SceneDimensions", "x y"),
@@ -15,7 +15,7 @@ pub(super) const CARRIED: [(&str, &str); 51] = [
     ("Lambertian", "ModelName databaseName"),
     ("HapkeSpecularMulti", "ModelName databaseName transmittanceDatabaseName transmittanceModelName"),
     ("RPVMulti", "ModelName databaseName transmittanceDatabaseName transmittanceModelName"),
-    ("ThermalFunction", "deltaT meanT"),
+    ("ThermalFunction", "deltaT meanT override3DMatrix"),
     ("Object", "file_src hasGroups hidden objectDEMMode repeatedOnBorder"),
     ("PositionProperties", "xpos ypos zpos"),
     ("ScaleProperties", "xscale yscale zscale"),
@@ -25,6 +25,8 @@ pub(super) const CARRIED: [(&str, &str); 51] = [
     ("GroupOpticalProperties", "doubleFace"),
     ("SurfaceOpticalProperties", "doubleFace"),
     ("SpectralIntervalsProperties", "bandNumber deltaLambda meanLambda spectralDartMode"),
+    ("SpectralDomainTir", "temperatureMode"),
+    ("TemperatureFile", "temperatureFileName"),
     ("nodeIlluminationMode", "irradianceMode"),
     ("CommonParameters", "commonIrradianceCheckBox commonSkylCheckBox"),
     ("SpectralIrradianceValue", "Skyl bandNumber irradiance"),

@@ -136,6 +136,7 @@ pub(super) fn thermal(coeff_diff: &Element, reading: &mut Reading) -> Vec<Therma
             ident: reading.text(element, "idTemperature"),
             mean_k,
             range_k,
+            overrides_cells: reading.flag(element, "override3DMatrix"),
             at: element.at(),
         });
     }

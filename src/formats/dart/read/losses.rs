@@ -260,7 +260,11 @@ pub(super) const KNOWN: &[(&str, &str)] = &[
     ("MonteCarlo", "*"),
     ("Lidar", "*"),
     ("nodefluxtracking", "*"),
-    ("SpectralDomainTir", "*"),
+    ("SpectralDomainTir", "temperatureMode"),
+    ("TemperatureFile", "temperatureFileName"),
+    ("skylTemperature", "*"),
+    // Before 5.7.
+    ("Atmosphere_1", "*"),
     ("SpectralIntervals", ""),
     ("SpectralIntervalsProperties", "bandNumber deltaLambda meanLambda spectralDartMode radiativeBudgetProducts"),
     ("emissionLawNode", "emissionLaw"),

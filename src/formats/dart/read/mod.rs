@@ -9,9 +9,10 @@ pub(super) mod coeff_diff;
 mod directions;
 mod losses;
 mod maket;
-mod object_3d;
+pub(super) mod object_3d;
 mod phase;
 mod reading;
+mod temperatures;
 pub(super) mod sequence;
 pub(super) mod unread;
 
@@ -157,12 +158,13 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<(Simulation, Report, V
     let section = |name: &str| inputs.section(name).ok_or_else(missing);
     let maket = maket::read(section("Maket")?, &mut reading);
     let coeff_diff = section("Coeff_diff")?;
-    let phase = phase::read(section("Phase")?, &maket, &mut reading);
+    let thermal = coeff_diff::thermal(coeff_diff, &mut reading);
+    let phase = phase::read(section("Phase")?, &maket, &thermal, &mut reading);
     let object_3d = inputs.section("object_3d");
     let simulation = Simulation {
         version: version(&inputs, &mut reading),
         optical: coeff_diff::optical(coeff_diff, phase.bands.len(), &mut reading),
-        thermal: coeff_diff::thermal(coeff_diff, &mut reading),
+        thermal,
         objects: object_3d.map_or_else(Vec::new, |o| object_3d::objects(o, &mut reading)),
         fields: object_3d.map_or_else(Vec::new, |o| object_3d::fields(o, &mut reading)),
         directions: directions::read(section("Directions")?, &maket, &mut reading),

@@ -1,8 +1,10 @@
 //! object_3d.xml: objects, their groups and what these are made of, and fields of objects.
 
+use std::path::Path;
+
 use glam::DVec3;
 
-use crate::error::Problem;
+use crate::error::{Location, Problem, Result};
 use crate::formats::input;
 use crate::formats::xml::Element;
 use crate::geometry::whole_u32;
@@ -15,6 +17,7 @@ use super::reading::{Reading, number, wrapped};
 const FIELD_TEXT: u64 = 256 << 20;
 /// Turbid media, elements with their own properties, and what versions that are not known may have.
 const UNKNOWN_MATERIAL: &str = "what this is made of: no `<OpticalPropertyLink>` stands here";
+const NO_SCALE: &str = "a scale of 0 leaves nothing of the object: give it another";
 /// No object field has more places.
 const PLACES: usize = 2_000_000;
 
@@ -39,7 +42,7 @@ fn object(element: &Element, reading: &mut Reading) -> Object {
     let scale = three(geometry.and_then(|g| g.child("ScaleProperties")), ["xscale", "yscale", "zscale"], 1.0);
     let rotation_deg = three(geometry.and_then(|g| g.child("RotationProperties")), ["xrot", "yrot", "zrot"], 0.0);
     if scale.to_array().contains(&0.0) {
-        reading.problem(element.at(), "a scale of 0 leaves nothing of the object: give it another");
+        reading.problem(element.at(), NO_SCALE);
     }
 
     let has_groups = reading.flag(element, "hasGroups");
@@ -168,20 +171,23 @@ fn field(element: &Element, reading: &mut Reading) -> Option<ObjectField> {
         }
     };
     let places = places(&text, &path, &models, reading);
+    if places.is_empty() {
+        reading.note(Fate::Defaulted, at, format!("the object field {name:?} has no places: nothing stands in it"));
+    }
     Some(ObjectField { name, file, models, places, at: element.at() })
 }
 
 /// The lines of a field's text: `index x y z sx sy sz xrot yrot zrot` below the line `complete transformation`, else
 /// `index x y`.
-fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut Reading) -> Vec<FieldInstance> {
+fn places(text: &str, path: &Path, models: &[Object], reading: &mut Reading) -> Vec<FieldInstance> {
     let text = without_comments(text);
     let (mut places, mut complete, mut first) = (Vec::new(), false, true);
     let mut start = 0;
     for raw in text.split_inclusive('\n') {
         let line = raw.trim();
-        let at = || crate::error::Location::span(path, &text, start, start + raw.trim_end().len());
+        let at = || Location::span(path, &text, start, start + raw.trim_end().len());
         if line.is_empty() {
-        } else if first && line.eq_ignore_ascii_case("complete transformation") {
+        } else if first && is_heading(line) {
             (complete, first) = (true, false);
         } else {
             first = false;
@@ -189,12 +195,17 @@ fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut R
             let model = numbers.as_ref().and_then(|n| n.first()).filter(|i| i.fract() == 0.0);
             let model = model.filter(|i| (0.0..models.len() as f64).contains(*i)).map(|i| whole_u32(*i));
             match (model, numbers.as_deref()) {
-                (Some(model), Some(&[_, x, y, z, sx, sy, sz, xr, yr, zr])) if complete => places.push(FieldInstance {
-                    model,
-                    position_m: DVec3::new(x, y, z),
-                    scale: DVec3::new(sx, sy, sz),
-                    rotation_deg: DVec3::new(xr, yr, zr),
-                }),
+                (Some(model), Some(&[_, x, y, z, sx, sy, sz, xr, yr, zr])) if complete => {
+                    if [sx, sy, sz].contains(&0.0) {
+                        reading.problems.push(|| Problem::new(at(), NO_SCALE));
+                    }
+                    places.push(FieldInstance {
+                        model,
+                        position_m: DVec3::new(x, y, z),
+                        scale: DVec3::new(sx, sy, sz),
+                        rotation_deg: DVec3::new(xr, yr, zr),
+                    });
+                }
                 (Some(model), Some(&[_, x, y])) if !complete => {
                     let Object { position_m, scale, rotation_deg, .. } = models[model as usize];
                     places.push(FieldInstance {
@@ -222,9 +233,34 @@ fn places(text: &str, path: &std::path::Path, models: &[Object], reading: &mut R
     }
     if !complete && !places.is_empty() {
         let message = "places without a transformation: DART turns and scales such objects at random, here all are as their model";
-        reading.note(Fate::Approximated, crate::error::Location::file(path), message);
+        reading.note(Fate::Approximated, Location::file(path), message);
     }
     places
+}
+
+/// The line above places with all of their scale and rotation.
+fn is_heading(line: &str) -> bool {
+    let mut words = line.split_whitespace();
+    let mut is = |wanted: &str| words.next().is_some_and(|word| word.eq_ignore_ascii_case(wanted));
+    is("complete") && is("transformation") && words.next().is_none()
+}
+
+/// The first number of a field's text that has an exponent, which DART does not read.
+///
+/// # Errors
+/// As [`input::text`].
+pub(in crate::formats::dart) fn first_exponent(path: &Path) -> Result<Option<Location>> {
+    let (text, _) = input::text(path, FIELD_TEXT)?;
+    let text = without_comments(&text);
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let mut words = line.split_whitespace();
+        if words.any(|word| word.contains(['e', 'E']) && number(word).is_some()) {
+            return Ok(Some(Location::span(path, &text, start, start + line.trim_end().len())));
+        }
+        start += line.len();
+    }
+    Ok(None)
 }
 
 /// The text with blanks where comments were, `/* */` and `//`, so that places stay the same.

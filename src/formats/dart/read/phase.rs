@@ -4,19 +4,21 @@ use crate::formats::xml::Element;
 use crate::geometry::index_u32;
 use crate::report::Fate;
 
-use super::super::{Maket, Phase, SpectralInterval};
-use super::camera;
+use super::super::{Maket, Phase, SpectralInterval, ThermalFunction};
 use super::reading::{Reading, number};
+use super::{camera, temperatures};
 
-pub(super) fn read(phase: &Element, maket: &Maket, reading: &mut Reading) -> Phase {
+pub(super) fn read(phase: &Element, maket: &Maket, thermal: &[ThermalFunction], reading: &mut Reading) -> Phase {
     let bands = bands(phase, reading);
     let (irradiance_mode, irradiance) = irradiance(phase, bands.len(), reading);
-    temperatures(phase, &bands, reading);
+    let (temperature_mode, cells) = temperatures::read(phase, &bands, maket, thermal, reading);
     let products = phase.descendant("BrfProductsProperties");
     Phase {
         bands,
         irradiance_mode,
         irradiance,
+        temperature_mode,
+        cells,
         radiance_products: products.is_some_and(|p| reading.flag(p, "luminanceProducts")),
         cameras: camera::read(phase, maket, reading),
     }
@@ -151,22 +153,4 @@ fn irradiance(phase: &Element, bands: usize, reading: &mut Reading) -> (u32, Vec
         reading.note(Fate::Dropped, element.map_or(list.at(), |e| e.at_attribute("Skyl")), message);
     }
     (mode, values)
-}
-
-/// Where temperatures come from.
-fn temperatures(phase: &Element, bands: &[SpectralInterval], reading: &mut Reading) {
-    if bands.iter().all(|b| b.mode == 0) {
-        return;
-    }
-    if let Some(node) = phase.descendant("SpectralDomainTir")
-        && reading.integer_or(node, "temperatureMode", 0) != 0
-    {
-        let message = "temperatures from a file or the atmosphere: read are those of the thermal functions";
-        reading.note(Fate::Dropped, node.at_attribute("temperatureMode"), message);
-    }
-    if let Some(sky) = phase.descendant("temperatureAtmosphere")
-        && reading.number_or(sky, "atmosphericApparentTemperature", 0.0) > 0.0
-    {
-        reading.note(Fate::Dropped, sky.at_attribute("atmosphericApparentTemperature"), "heat from the sky");
-    }
 }

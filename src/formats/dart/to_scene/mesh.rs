@@ -1,6 +1,5 @@
 //! The surface of a simulation: its objects, its ground, and copies of both.
 
-use std::borrow::Cow;
 use std::rc::Rc;
 
 use crate::error::{Error, Location, Result};
@@ -10,14 +9,16 @@ use crate::formats::obj::{self, ObjFile};
 use crate::geometry::{MaterialId, Mesh, index_u32};
 use crate::progress::tell;
 use crate::report::{Fate, Report};
+use crate::scene::Material;
 
 use super::super::ground::{Ground, Standing};
 use super::super::groups;
-use super::super::object::{reaches_beyond, seen_facets, standing};
-use super::super::simulation::{Links, Object};
+use super::super::object::{is_outside, reaches_beyond, seen_facets, standing};
+use super::super::simulation::{FieldInstance, Links, Object};
+use super::temperatures::LinkedMaterials;
 use super::{SceneBuilder, SceneFrame};
 
-impl SceneBuilder<'_> {
+impl<'a> SceneBuilder<'a> {
     /// The OBJ file that an object names.
     fn obj(&mut self, object: &Object) -> Result<Rc<ObjFile>> {
         if let Some(known) = self.objs.get(&object.file) {
@@ -37,60 +38,42 @@ impl SceneBuilder<'_> {
     }
 
     /// All objects in one mesh, and the ground if it is something, with all copies, in the scene's frame.
-    pub(super) fn mesh(&mut self, place: &SceneFrame, material_of: &[Option<usize>]) -> Result<Mesh> {
+    /// Facets that have temperatures of cells add materials of their own.
+    pub(super) fn mesh(
+        &mut self,
+        place: &SceneFrame,
+        materials: &mut Vec<Material>,
+        linked: &LinkedMaterials,
+    ) -> Result<Mesh> {
         let (simulation, maket) = (self.simulation, &self.simulation.maket);
-        let (ground, report, files) = Ground::of(simulation, self.folder, self.options.repeat)?;
+        let (mut ground, report, files) = Ground::of(simulation, self.folder, self.options.repeat)?;
         self.report.notes.extend(report.notes);
         self.inputs.extend(files);
-        let mut standing = Standing::default();
-        let [x, y] = maket.size_m;
-        let is_within =
-            |object: &Object| (0.0..=x).contains(&object.position_m.x) && (0.0..=y).contains(&object.position_m.y);
-        // Of a field DART leaves out what stands outside of the scene.
-        let placed = || {
-            let of_fields = simulation.fields.iter().flat_map(|f| f.objects()).filter(is_within).map(Cow::Owned);
-            simulation.objects.iter().map(Cow::Borrowed).chain(of_fields)
-        };
-        for field in &simulation.fields {
-            let outside = field.objects().filter(|object| !is_within(object)).count();
-            if outside > 0 {
-                let message = format!(
-                    "{outside} objects of the field {:?} stand outside of the scene: DART leaves them out",
-                    field.name
-                );
-                self.note(Fate::Dropped, &field.at, message);
-            }
+        let (mut standing, mut beyond) = (Standing::default(), Beyond::default());
+        let stands = self.stands();
+        self.fits(&stands)?;
+        let mut made = Vec::new();
+        for (model, places) in &stands {
+            made.push(self.made(model, places, linked)?);
         }
-        let mut beyond = Beyond::default();
-        // A field of a few lines can ask for more than any memory holds.
-        let (mut vertices, mut facets) = (0, 0);
-        for object in placed().filter(|object| !object.hidden) {
-            let read = self.obj(&object)?;
-            let sides = if object.has_backs() { 2 } else { 1 };
-            (vertices, facets) = (vertices + read.vertices.len(), facets + sides * read.facets.len());
-            if vertices.max(facets) > MOST {
-                let message = format!("with {:?} there are more than {MOST} vertices or facets", object.name);
-                return Err(Error::invalid(object.at.clone(), message));
-            }
-        }
-        let mut meshes = Vec::new();
-        for object in placed() {
-            let object = object.as_ref();
-            if object.hidden {
-                self.note(Fate::Dropped, &object.at, format!("{:?} is hidden: DART ignores it too", object.name));
-                continue;
-            }
-            tell(self.watch, "reading meshes", 0, 1)?;
-            let mut mesh = self.object(object, material_of)?;
-            standing.settle(object, &mut mesh, &ground, &mut self.report);
+        let placed = stands.iter().zip(&made).filter_map(|((model, places), made)| {
+            let made = made.as_ref()?;
+            Some(places.iter().map(move |place| (*model, made, place)))
+        });
+        let mut stopped = Ok(());
+        let meshes = placed.flatten().map_while(|(model, made, place)| {
+            stopped = tell(self.watch, "reading meshes", 0, 1);
+            stopped.as_ref().ok()?;
+            let mut mesh = made.at(place);
+            standing.settle(model, &mut mesh, &ground, &mut self.report);
             if self.options.repeat == 0 {
-                beyond.look(object, &mesh, maket.size_m);
+                beyond.look(model, &mesh, maket.size_m);
             }
-            meshes.push(mesh);
-        }
-        let mut meshes = meshes.into_iter();
-        let mut all = meshes.next().unwrap_or_default();
+            Some(mesh)
+        });
+        let mut all = Mesh::default();
         all.append_all(meshes);
+        stopped?;
         beyond.tell(&mut self.report);
         standing.tell(&mut self.report);
         if let Some(sidecar) = self.sidecar.as_ref().filter(|_| simulation.objects.len() == 1) {
@@ -99,11 +82,23 @@ impl SceneBuilder<'_> {
                 faces => faces,
             };
         }
-        let material = material_of[self.property(&maket.ground)?].filter(|_| maket.ground_enabled);
+        let material = self.linked(&maket.ground, linked)?.filter(|_| maket.ground_enabled);
+        if let Some(cells) = &simulation.phase.cells {
+            if self.options.repeat > 0 && maket.boundary == 2 {
+                let message = "temperatures of cells on a slope that goes on: which layer a copy of the scene is in is not documented. Leave \
+                               `--repeat` out";
+                return Err(Error::invalid(cells.at.clone(), message));
+            }
+            ground.cut_into(cells.count);
+        }
         ground.fits(&all, material.is_some(), &maket.at)?;
         let mut all = ground.copies(all);
         if material.is_some() {
             all.append(ground.mesh(material_id(material, &maket.ground.at)?));
+        }
+        if simulation.phase.cells.is_some() {
+            let low_m = all.bounds_m().map_or(0.0, |(low_m, _)| low_m.z);
+            self.warm_by_cells(&mut all, low_m, materials, linked)?;
         }
         if all.facets.is_empty() {
             let message = "the simulation has no objects and no ground that is seen";
@@ -114,8 +109,52 @@ impl SceneBuilder<'_> {
         Ok(all)
     }
 
-    /// An object in DART's frame, where its position says.
-    fn object(&mut self, object: &Object, material_of: &[Option<usize>]) -> Result<Mesh> {
+    /// Objects and models of fields, each with all places where it stands.
+    fn stands(&mut self) -> Vec<(&'a Object, Vec<FieldInstance>)> {
+        let simulation = self.simulation;
+        let mut stands: Vec<_> = simulation.objects.iter().map(|object| (object, vec![object.place()])).collect();
+        for field in &simulation.fields {
+            // DART leaves out what stands outside of the scene.
+            let is_within = |place: &&FieldInstance| !is_outside(place, simulation.maket.size_m);
+            let mut of_model = vec![Vec::new(); field.models.len()];
+            for place in field.places.iter().filter(is_within) {
+                of_model.get_mut(place.model as usize).into_iter().for_each(|places| places.push(*place));
+            }
+            let outside = field.places.len() - of_model.iter().map(Vec::len).sum::<usize>();
+            if outside > 0 {
+                let message = format!(
+                    "{outside} objects of the field {:?} stand outside of the scene: DART leaves them out",
+                    field.name
+                );
+                self.note(Fate::Dropped, &field.at, message);
+            }
+            stands.extend(field.models.iter().zip(of_model).filter(|(_, places)| !places.is_empty()));
+        }
+        stands
+    }
+
+    /// A field of a few lines can ask for more than any memory holds.
+    fn fits(&mut self, stands: &[(&Object, Vec<FieldInstance>)]) -> Result<()> {
+        let (mut vertices, mut facets) = (0_usize, 0_usize);
+        for (object, places) in stands.iter().filter(|(object, _)| !object.hidden) {
+            let read = self.obj(object)?;
+            let sides = if object.has_backs() { 2 } else { 1 };
+            vertices = vertices.saturating_add(places.len().saturating_mul(read.vertices.len()));
+            facets = facets.saturating_add(places.len().saturating_mul(sides * read.facets.len()));
+            if vertices.max(facets) > MOST {
+                let message = format!("with {:?} there are more than {MOST} vertices or facets", object.name);
+                return Err(Error::invalid(object.at.clone(), message));
+            }
+        }
+        Ok(())
+    }
+
+    /// What an object is made of that stands at these places; `None` if it is hidden.
+    fn made(&mut self, object: &Object, places: &[FieldInstance], linked: &LinkedMaterials) -> Result<Option<Made>> {
+        if object.hidden {
+            self.note(Fate::Dropped, &object.at, format!("{:?} is hidden: DART ignores it too", object.name));
+            return Ok(None);
+        }
         let read = self.obj(object)?;
         let numbered = groups::order(&read.groups, &self.simulation.version);
         let mut sides_of_group = vec![(object.links.as_ref(), object.back.as_ref()); read.groups.len().max(1)];
@@ -142,10 +181,11 @@ impl SceneBuilder<'_> {
                 let message = format!("nothing says what group {name:?} of {:?} is made of", object.file);
                 return Err(Error::invalid(object.at.clone(), message));
             };
-            let of = |links: &Links| material_id(material_of[self.property(links)?], &links.at);
+            let of = |links: &Links| material_id(self.linked(links, linked)?, &links.at);
             material_of_group.push((of(front)?, back.map(of).transpose()?));
         }
-        if object.rotation_deg.x != 0.0 || object.rotation_deg.y != 0.0 {
+        // Without a nutation the two others are turns about one axis.
+        if places.iter().any(|place| place.rotation_deg.y != 0.0) {
             let message = "rotations about more than the vertical: their order is inferred, not documented";
             self.note(Fate::Approximated, &object.at, message);
         }
@@ -159,8 +199,14 @@ impl SceneBuilder<'_> {
             Some(group) => material_of_group[*group as usize],
             None => material_of_group[0],
         });
-        let (fronts, backs): (Vec<MaterialId>, Vec<Option<MaterialId>>) = sides.unzip();
-        Ok(with_backs(Mesh { material: fronts, ..standing(object, &read, &seen) }, &backs))
+        let (fronts, backs) = sides.unzip();
+        Ok(Some(Made { obj: read, seen, fronts, backs }))
+    }
+
+    /// The material that links lead to.
+    fn linked(&self, links: &Links, linked: &LinkedMaterials) -> Result<Option<usize>> {
+        let property = self.property(links)?;
+        Ok(linked.of(property, self.warmth(links, property)?))
     }
 
     fn unsaid_back(&mut self, is_unsaid: bool, at: &Location, name: &str) {
@@ -168,6 +214,22 @@ impl SceneBuilder<'_> {
             let message = format!("the back of {name:?}: nothing says what it is made of, and backs are black");
             self.note(Fate::Dropped, at, message);
         }
+    }
+}
+
+/// What an object is made of, wherever it stands.
+struct Made {
+    obj: Rc<ObjFile>,
+    /// Facets of the file that are not hidden, and the materials of their sides.
+    seen: Vec<usize>,
+    fronts: Vec<MaterialId>,
+    backs: Vec<Option<MaterialId>>,
+}
+
+impl Made {
+    /// In DART's frame.
+    fn at(&self, place: &FieldInstance) -> Mesh {
+        with_backs(Mesh { material: self.fronts.clone(), ..standing(place, &self.obj, &self.seen) }, &self.backs)
     }
 }
 
