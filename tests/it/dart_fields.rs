@@ -284,6 +284,12 @@ fn what_stands_outside_is_left_out_and_a_check_tells() {
     let (code, out) = sim.check();
     assert!(code == 0 && out.contains("2 of 4 places lie outside of the scene"), "{out}");
     assert!(out.contains("`rock` reaches beyond the scene at 1 of its places"), "{out}");
+    // On the ground, by DART's default, whatever its z; what lies there already is not moved.
+    let on_ground = model("rock.obj", true, &[("objectDEMMode=\"2\"", "objectDEMMode=\"0\"")]);
+    let sim = Sim::of(&on_ground, "complete transformation\n0 2 3 5 1 1 1 0 0 0\n0 2 3 0 1 1 1 0 0 0\n");
+    assert!(sim.corners_m().as_flattened().iter().all(|v| (0.0..=1.0).contains(&v.z)));
+    let (code, out) = sim.check();
+    assert!(code == 0 && out.contains("`rock` is dropped to the ground at 1 of its places"), "{out}");
     // A file inside out, which every object is then.
     let sim = Sim::of(&model("inverse.obj", true, &[]), "complete transformation\n0 2 3 1 1 1 1 0 0 0\n");
     let inverse = ROCK

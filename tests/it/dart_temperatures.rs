@@ -239,12 +239,21 @@ fn facets_have_the_temperatures_of_their_cells() {
     assert_eq!(code, 0, "{err}");
     let back = mmxrt::formats::scene_toml::read(&to, &unwatched).unwrap().scene;
     assert_eq!(held_k(&back), expected);
+    // Which share their table, if they need one.
+    let names = to.parent().unwrap().read_dir().unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    assert!(names.filter(|name| name.contains("reflectance")).count() <= 1);
     // Cells of one temperature share a material; the one that is not in use any more stays.
     let (scene, _) = of_cells("5 5 5 5 5 5 5 6").read();
     assert_eq!(scene.body.materials.len(), 3);
     // One layer: what stands above it has the nearest cell's.
     let (scene, report) = of_cells("1 2 3 4").read();
     assert_eq!(held_k(&scene), [1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 3.0, 4.0].map(Some));
+    assert!(told(&report, "4 lie above all of them"), "{report:#?}");
+    // Layers begin at the ground plane, though it stands for the sky: what begins 1.9 m above it ends 0.15 m above the second layer.
+    let sim = of_cells(CELLS);
+    sim.edit("object_3d.xml", "zpos=\"0\"", "zpos=\"1.9\"");
+    let (scene, report) = sim.read();
+    assert_eq!(held_k(&scene), expected);
     assert!(told(&report, "4 lie above all of them"), "{report:#?}");
     // A function that overrides them, and a scene without heat, do not ask.
     let sim = of_cells("what");

@@ -555,13 +555,17 @@ impl<'a> Checker<'a> {
                 let Some((obj, mesh)) = self.mesh(model, element) else { continue };
                 self.normals(model, &mesh);
                 let facets = seen_facets(model, &obj, &simulation.version);
-                let is_beyond = |place: &&FieldInstance| {
-                    place.model as usize == number && !is_outside(place, size_m) && {
-                        let bounds_m = standing(place, &obj, &facets).bounds_m();
-                        bounds_m.is_some_and(|bounds_m| reaches_beyond(bounds_m, size_m))
-                    }
-                };
-                let beyond = field.places.iter().filter(is_beyond).count();
+                let (mut beyond, mut dropped) = (0_usize, 0_usize);
+                let within = field.places.iter().filter(|place| !is_outside(place, size_m));
+                for place in within.filter(|place| place.model as usize == number) {
+                    let Some(bounds_m) = standing(place, &obj, &facets).bounds_m() else { continue };
+                    beyond += usize::from(reaches_beyond(bounds_m, size_m));
+                    dropped += usize::from(self.is_dropped(model, bounds_m));
+                }
+                if dropped > 0 {
+                    let what = format!("`{}` is dropped to the ground at {dropped} of its places", model.name);
+                    self.warning(&element.at_attribute("objectDEMMode"), what, DROPPED, KEEP_Z);
+                }
                 if beyond > 0 {
                     let what = format!("`{}` reaches beyond the scene at {beyond} of its places", model.name);
                     self.warning(&model.at, what, beyond_edge(model), "move them, or make the scene larger");
@@ -654,17 +658,18 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn ground(&mut self, object: &Object, element: &Element, (low, high): (DVec3, DVec3)) {
-        if object.dem_mode != 0 {
-            return;
+    /// Whether DART moves an object that spans this to the ground, and by more than rounding.
+    fn is_dropped(&self, object: &Object, (low, high): (DVec3, DVec3)) -> bool {
+        let is_on_plane = || low.z.abs() <= 1e-6 * (high - low).max_element();
+        object.dem_mode == 0 && (self.simulation.maket.topography.is_some() || !is_on_plane())
+    }
+
+    fn ground(&mut self, object: &Object, element: &Element, bounds_m: (DVec3, DVec3)) {
+        if self.is_dropped(object, bounds_m) {
+            let z_m = bounds_m.0.z;
+            let what = format!("`{}` is dropped to the ground: its lowest point is at z = {z_m} m", object.name);
+            self.warning(&element.at_attribute("objectDEMMode"), what, DROPPED, KEEP_Z);
         }
-        if self.simulation.maket.topography.is_none() && low.z.abs() <= 1e-6 * (high - low).max_element() {
-            return;
-        }
-        let at = element.at_attribute("objectDEMMode");
-        let what = format!("`{}` is dropped to the ground: its lowest point is at z = {} m", object.name, low.z);
-        let effect = "moves it until its lowest point lies on the ground, which is its default";
-        self.warning(&at, what, effect, "set `objectDEMMode` to 2 to keep its z");
     }
 
     /// The raster can be read, spans the scene, and fits its own copy where the scene is repeated.
@@ -785,6 +790,10 @@ impl<'a> Checker<'a> {
         }
     }
 }
+
+/// What DART does with an object that stands on the ground.
+const DROPPED: &str = "moves it until its lowest point lies on the ground, which is its default";
+const KEEP_Z: &str = "set `objectDEMMode` to 2 to keep its z";
 
 /// What DART does with an object's part beyond the scene's edge.
 fn beyond_edge(object: &Object) -> &'static str {

@@ -105,6 +105,7 @@ pub fn write_with(scene: &Scene, path: &Path, options: &WriteOptions) -> Result<
         options,
         names: names(scene),
         taken: BTreeSet::new(),
+        tables: Vec::new(),
         files: Staged::file(path, options.replace)?,
         report: Report::default(),
     };
@@ -156,6 +157,8 @@ struct Writer<'a> {
     names: Vec<String>,
     /// Names of files, in small letters: some disks do not tell the cases apart.
     taken: BTreeSet<String>,
+    /// Tables of one column: its name, what it holds, and the file.
+    tables: Vec<(String, Spectrum, String)>,
     files: Staged,
     report: Report,
 }
@@ -242,7 +245,12 @@ impl Writer<'_> {
         if let Some(value) = constant(spectrum) {
             return Ok(format!("{value:?}"));
         }
+        // Materials that differ in their temperatures alone share their tables.
+        if let Some((.., file)) = self.tables.iter().find(|(of, known, _)| of == column && known == spectrum) {
+            return Ok(quoted(file));
+        }
         let file = self.file(name, "csv", |out| photometry_csv::write(out, &[(column, spectrum)]))?;
+        self.tables.push((column.to_owned(), spectrum.clone(), file.clone()));
         Ok(quoted(&file))
     }
 

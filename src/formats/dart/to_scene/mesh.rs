@@ -98,6 +98,8 @@ impl<'a> SceneBuilder<'a> {
         }
         if simulation.phase.cells.is_some() {
             let low_m = all.bounds_m().map_or(0.0, |(low_m, _)| low_m.z);
+            // A plane that stands for the sky is there all the same.
+            let low_m = if maket.ground_enabled && !ground.is_terrain { low_m.min(0.0) } else { low_m };
             self.warm_by_cells(&mut all, low_m, materials, linked)?;
         }
         if all.facets.is_empty() {
