@@ -88,3 +88,27 @@ fn what_has_no_place_for_cameras_says_so() {
     assert!(code != 0 && err.contains("one.camera_2.toml"), "{err}");
     assert!(!scratch.join("one.toml").exists() && std::fs::read(scratch.join("one.camera_3.toml")).unwrap() == before);
 }
+
+/// Only what could be simulated becomes a scene file.
+#[test]
+fn a_camera_within_the_body_becomes_no_scene() {
+    let scratch = Scratch::new();
+    let sim = three(&scratch);
+    let path = scratch.join("sim/input/phase.xml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    // The third one goes 103 m West and 95 m down: into the tetrahedron.
+    let moved = [("sensorPosY", -103.0), ("sensorPosZ", -95.0)].iter().fold(text, |text, (name, by_m)| {
+        let at = text.rfind(&format!("{name}=\"")).unwrap() + name.len() + 2;
+        let end = at + text[at..].find('"').unwrap();
+        let value: f64 = text[at..end].parse().unwrap();
+        format!("{}{}{}", &text[..at], value + by_m, &text[end..])
+    });
+    std::fs::write(&path, moved).unwrap();
+    let (code, said, err) = run(&["convert", &sim, &scratch.argument("out/scene.toml")]);
+    assert!(code == 0 && said.contains("Dropped") && said.contains("a camera:"), "{said}{err}");
+    let is_there = ["scene.toml", "scene.camera_2.toml", "scene.camera_3.toml"]
+        .map(|name| scratch.join("out").join(name).is_file());
+    assert_eq!(is_there, [true, true, false], "{said}");
+    let (code, _, _) = run(&["convert", "--strict", &sim, &scratch.argument("strict/scene.toml")]);
+    assert_eq!(code, 3);
+}

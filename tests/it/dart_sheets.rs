@@ -142,11 +142,13 @@ fn a_sheet_throws_the_shadow_of_one() {
         let expected = if is_dark { 0.0 } else { lit };
         assert!((l - expected).abs() < 1e-6 * lit, "{row} {column}: {l}, not {expected}");
     }
-    // Its own lower side is in that shadow as well: 2 m above a camera at 0 m, it is 3 by 2 pixels wide and dark.
+    // Its own lower side is in that shadow as well: 1 m above a camera at 1 m, it is 6 by 4 pixels wide and dark.
     let below = edited(&scene, |parts| parts.exposure.camera = camera(1.0, true));
-    assert!(seen(&below).cube.band(0).iter().all(|l| l.abs() < 1e-6 * lit));
-    // From above its front is lit whole, whatever lies in the same place the other way round: 3 m below the camera it is
-    // two pixels wide and 4 / 3 high.
+    let below = seen(&below);
+    assert!(below.cube.band(0).iter().all(|l| l.abs() < 1e-6 * lit));
+    let covered: f64 = below.backplanes.plane("COVERAGE").unwrap().values.iter().sum();
+    assert!((covered - 24.0).abs() < 1e-6, "{covered}");
+    // From above its front is lit whole, whatever lies in the same place the other way round: 1 m below the camera it is as large.
     let above = edited(&scene, |parts| parts.exposure.camera = camera(3.0, false));
     let above = seen(&above);
     for (row, column) in [(7, 5), (7, 7), (7, 8), (8, 6), (8, 10)] {

@@ -62,6 +62,12 @@ impl Key {
     }
 }
 
+/// The end of a name that no other file of this machine has.
+fn own_name() -> String {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    format!("{}.{}.{PARTIAL}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
+}
+
 impl Cache {
     /// In a folder, which is made if it is not there. What processes that were killed have left half-written in it is removed.
     ///
@@ -81,8 +87,9 @@ impl Cache {
                 let _ = fs::remove_file(&path);
             }
         }
-        let probe = folder.join(format!("probe.{}.{PARTIAL}", std::process::id()));
-        let is_writable = File::create_new(&probe).is_ok();
+        let probe = folder.join(format!("probe.{}", own_name()));
+        // One that is there is another machine's, of a process of the same number.
+        let is_writable = File::create_new(&probe).map_or_else(|e| e.kind() == io::ErrorKind::AlreadyExists, |_| true);
         let _ = fs::remove_file(&probe);
         Ok(Cache { folder: folder.to_owned(), is_writable })
     }
@@ -107,8 +114,13 @@ impl Cache {
         }
         let made = make()?;
         if let Some(packed) = made.packed().filter(|_| self.is_writable) {
+            let kept = match self.put(&path, &name, &packed) {
+                // Another process has taken it, before it was locked, for what a killed one had left.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => self.put(&path, &name, &packed),
+                kept => kept,
+            };
             // It is as good without: a full disk must not end a long campaign.
-            if let Err(error) = self.put(&path, &name, &packed) {
+            if let Err(error) = kept {
                 tracing::warn!("{} is not kept: {error}", path.display());
             }
         }
@@ -117,9 +129,7 @@ impl Cache {
 
     /// Writes an entry, which appears whole.
     fn put(&self, path: &Path, name: &str, packed: &Packed) -> io::Result<()> {
-        static COUNT: AtomicU64 = AtomicU64::new(0);
-        let own = format!("{name}.{}.{}.{PARTIAL}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
-        let partial = self.folder.join(own);
+        let partial = self.folder.join(format!("{name}.{}", own_name()));
         // Process numbers of two machines may be the same: then the other one writes it.
         let file = File::create_new(&partial)?;
         // Some disks have no locks: there, what is left is not removed either.

@@ -125,7 +125,7 @@ impl SceneBuilder<'_> {
         let mesh = self.mesh(&place, &mut materials, &linked)?;
         let camera = self.camera(&place, &mesh);
         let others = self.simulation.phase.cameras.iter().skip(1);
-        let others = others.map(|other| (self.pinhole(other, &place), other.at.clone())).collect();
+        let others: Vec<_> = others.map(|other| (self.pinhole(other, &place), other.at.clone())).collect();
         let name = self.sidecar.as_ref().map_or("DART camera", Sidecar::sensor_name).to_owned();
         let exposure = Exposure { instrument: name, camera, bands, spectrometer: Spectrometer::default() };
         let sky = self.sky(sun, &place);
@@ -140,7 +140,18 @@ impl SceneBuilder<'_> {
             },
         };
         let scene = self.with_mars(scene, &place);
-        Ok((Scene::new(self.with_thermal(scene)?)?, others))
+        let scene = Scene::new(self.with_thermal(scene)?)?;
+        let mut cameras = Vec::new();
+        for (camera, at) in others {
+            match scene.seen_by(Exposure { camera: camera.clone(), ..scene.exposure.clone() }) {
+                Ok(_) => cameras.push((camera, at)),
+                Err(error) => {
+                    let why: Vec<String> = error.problems().into_iter().map(|problem| problem.message).collect();
+                    self.note(Fate::Dropped, &at, format!("a camera: {}", why.join("; ")));
+                }
+            }
+        }
+        Ok((scene, cameras))
     }
 
     /// The sky under this Sun, with what was written beside the simulation for this place.

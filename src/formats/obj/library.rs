@@ -27,11 +27,11 @@ impl Libraries<'_> {
     /// # Errors
     /// As [`mtl::read`]; [`Error::Io`] if it is not there.
     pub(super) fn load(&mut self, name: &str) -> Result<Vec<ObjMaterial>> {
-        let found = self.find(name)?;
+        let (found, is_first) = self.find(name)?;
         let (file, input) = mtl::read(&found)?;
         self.inputs.push(input);
         let mut doubt = |at, message: String| self.doubts.push(Note { fate: Fate::Defaulted, at, message });
-        if found.file_name().is_none_or(|file| !name.ends_with(&*file.to_string_lossy())) || name.contains('\\') {
+        if !is_first {
             doubt(Location::file(self.path), format!("`mtllib {name}`: taken is {}", found.display()));
         }
         if let Some(line) = file.not_utf8 {
@@ -42,17 +42,18 @@ impl Libraries<'_> {
         Ok(file.materials)
     }
 
-    /// Where the file of a name is: there, or with the other slashes, or beside the OBJ file under the last part of it; in any case.
-    fn find(&self, name: &str) -> Result<PathBuf> {
+    /// Where the file of a name is: there, or with the other slashes, or beside the OBJ file under the last part of it; in any case. And whether it is just
+    /// what was named, so that no other file that comes to be would take its place.
+    fn find(&self, name: &str) -> Result<(PathBuf, bool)> {
         let slashes = name.replace('\\', "/");
         let last = slashes.rsplit('/').next().unwrap_or(&slashes).to_owned();
         let mut why = None;
-        for name in [name, slashes.trim_start_matches("./"), &last] {
+        for (i, name) in [name, slashes.trim_start_matches("./"), &last].into_iter().enumerate() {
             match input::beside(self.path, name, self.outside) {
-                Ok(path) if path.is_file() => return Ok(path),
+                Ok(path) if path.is_file() => return Ok((path, i == 0)),
                 Ok(path) => {
                     if let Some(path) = in_any_case(&path) {
-                        return Ok(path);
+                        return Ok((path, false));
                     }
                 }
                 Err(message) => _ = why.get_or_insert(message),
