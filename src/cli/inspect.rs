@@ -187,7 +187,7 @@ fn spectrum_of(arguments: &Arguments, console: &Console) -> Result<Outcome> {
             if found.has_names() {
                 json["band"] = json!(found.names);
             }
-            let sheet = CurveSheet::of_pixel(path, &found);
+            let sheet = CurveSheet::of_pixel(path, &found)?;
             (json, sheet)
         }
         None => {

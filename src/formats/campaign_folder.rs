@@ -147,15 +147,13 @@ impl CampaignFolder {
         let is_there = |(name, bytes): (&String, &u64)| {
             found.binary_search_by(|(other, _)| other.cmp(name)).is_ok_and(|place| found[place].1 == *bytes)
         };
-        let wanted = [
-            (options.exr, "cube.exr"),
-            (options.split, "thermal.img"),
-            (options.table, "table.npz"),
-            (options.footprints, "footprints.npz"),
-        ];
+        let mut wanted = options.formats.files("cube");
+        wanted.extend(options.split.then(|| options.formats.files("thermal")).unwrap_or_default());
+        let parts = [(options.exr, "cube.exr"), (options.table, "table.npz"), (options.footprints, "footprints.npz")];
+        wanted.extend(parts.iter().filter(|(is_wanted, _)| *is_wanted).map(|(_, part)| (*part).to_owned()));
         let is_whole = report.scene == id
-            && run.files.get("cube.img") == Some(&cube_bytes)
-            && wanted.iter().all(|(is_wanted, part)| !is_wanted || run.files.contains_key(*part))
+            && run.files.get("cube.img").is_none_or(|bytes| *bytes == cube_bytes)
+            && wanted.iter().all(|part| run.files.contains_key(part))
             && run.files.iter().all(is_there);
         is_whole.then_some(report)
     }

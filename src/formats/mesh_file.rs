@@ -66,6 +66,8 @@ pub struct MeshFile {
     pub doubts: Vec<Note>,
     /// The same of its materials.
     pub material_doubts: Vec<Note>,
+    /// Whether a file was looked for in vain that would take another one's place if it came to be.
+    pub may_change: bool,
     /// The files that were read: the one that was named, or all that it names too.
     pub inputs: Vec<InputFile>,
 }

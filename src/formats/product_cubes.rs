@@ -90,6 +90,18 @@ impl CubeFormats {
         1 + self.containers.len() as u64
     }
 
+    /// Whether the numbers of ENVI are left when the others are written.
+    pub(crate) fn keeps_envi(&self) -> bool {
+        self.envi || self.pds4 || self.containers.is_empty()
+    }
+
+    /// What the files are called that a cube is in at the end, but for headers.
+    pub(crate) fn files(&self, stem: &str) -> Vec<String> {
+        let endings = self.containers.iter().map(|container| container.ending());
+        let endings = endings.chain(self.keeps_envi().then_some("img")).chain(self.pds4.then_some("xml"));
+        endings.map(|ending| format!("{stem}.{ending}")).collect()
+    }
+
     /// Writes cubes of a folder in the other formats, and removes what was only on the way.
     ///
     /// # Errors
@@ -127,7 +139,7 @@ impl CubeFormats {
                 let path = folder.join(format!("{stem}.{}", container.ending()));
                 raster::write_cube(&mut registry::image(&image)?, &path, *container, *planes, notes, watch)?;
             }
-            if !(self.envi || self.pds4 || self.containers.is_empty()) {
+            if !self.keeps_envi() {
                 for ending in ["img", "hdr"] {
                     let path = folder.join(format!("{stem}.{ending}"));
                     std::fs::remove_file(&path).map_err(|e| Error::io(&path, "removing", e))?;

@@ -42,6 +42,9 @@ impl std::fmt::Display for Setting {
     }
 }
 
+/// Names of a key: files are not deeper either.
+const DEEPEST: usize = 64;
+
 /// The steps before the equals sign, and what is behind it.
 fn steps(text: &str) -> std::result::Result<(Vec<Step>, &str), String> {
     let (mut steps, mut rest) = (Vec::new(), text.trim_start());
@@ -61,6 +64,9 @@ fn steps(text: &str) -> std::result::Result<(Vec<Step>, &str), String> {
             return Err("KEY=VALUE is expected, as in sensor.samples=64".to_owned());
         }
         steps.push(Step::Key(key));
+        if steps.len() > DEEPEST {
+            return Err(format!("more than {DEEPEST} names: no item lies so deep"));
+        }
         while let Some(inner) = rest.strip_prefix('[') {
             let (index, behind) = inner.split_once(']').ok_or("a `[` has no `]`")?;
             steps.push(Step::Index(
@@ -78,8 +84,12 @@ fn steps(text: &str) -> std::result::Result<(Vec<Step>, &str), String> {
 
 /// A value as TOML has it; what is none is a text, so that words need no quotes.
 fn value(written: &str) -> std::result::Result<Value, String> {
+    let table = toml::from_str::<toml::Table>(&format!("x = {written}")).ok();
+    if table.as_ref().is_some_and(|table| table.len() > 1) {
+        return Err("one item is set at a time: there is another one behind a line's end".to_owned());
+    }
     // Dates, which nothing here is, would become tables.
-    match toml::from_str::<toml::Table>(&format!("x = {written}")).ok().and_then(|mut table| table.remove("x")) {
+    match table.and_then(|mut table| table.remove("x")) {
         None => Ok(Value::String(written.to_owned())),
         Some(toml::Value::Datetime(_)) => Err(format!("{written} is a date: nothing here is")),
         Some(value) => match serde_json::to_value(value) {

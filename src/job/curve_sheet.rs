@@ -20,17 +20,23 @@ pub struct CurveSheet {
     pub csv: String,
     /// The drawing, as SVG.
     pub svg: String,
-    /// The product folder that it is of, if it is.
-    folder: Option<PathBuf>,
+    /// What it is made from, which it must not replace.
+    inputs: Vec<PathBuf>,
 }
 
 impl CurveSheet {
     /// Of a pixel of this product folder.
-    pub fn of_pixel(folder: &Path, pixel: &PixelValues) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the folder cannot be read.
+    pub fn of_pixel(folder: &Path, pixel: &PixelValues) -> Result<Self> {
         let title = format!("{}, sample {}, line {}", folder.display(), pixel.sample, pixel.line);
         let (um, curves) = pixel.curves();
         let svg = spectrum_svg::draw(&title, "um", "radiance, W m-2 sr-1 um-1", &um, &curves);
-        CurveSheet { csv: pixel.csv(), svg, folder: Some(folder.to_owned()) }
+        let mut inputs: Vec<PathBuf> =
+            product_folder::files(folder)?.into_iter().map(|(name, _)| folder.join(name)).collect();
+        inputs.push(folder.to_owned());
+        Ok(CurveSheet { csv: pixel.csv(), svg, inputs })
     }
 
     /// Of the built-in spectrum of the Sun.
@@ -41,7 +47,7 @@ impl CurveSheet {
         let shown = um.partition_point(|um| *um <= DRAWN_TO_UM);
         let curves = [("E490", irradiance[..shown].to_vec())];
         let svg = spectrum_svg::draw("The Sun at 1 au, ASTM E490-00a", "um", "W m-2 um-1", &um[..shown], &curves);
-        CurveSheet { csv, svg, folder: None }
+        CurveSheet { csv, svg, inputs: vec![] }
     }
 
     /// Of the spectra in a file, each over its own wavelengths.
@@ -66,11 +72,13 @@ impl CurveSheet {
             .map(|((library, column), name)| Curve { name, x: &library.wavelength_um, values: &column.values })
             .collect();
         let svg = spectrum_svg::draw_each(&file.display().to_string(), "um", "value", &curves);
-        CurveSheet { csv, svg, folder: None }
+        // The numbers of a header may lie beside it, and the other way round.
+        let inputs = ["sli", "hdr"].map(|ending| file.with_extension(ending)).into_iter().chain([file.to_owned()]);
+        CurveSheet { csv, svg, inputs: inputs.collect() }
     }
 
-    /// Of a surface: brightness of a sphere of it over phase angles.
-    pub fn of_surface(name: &str, curve: &PhaseCurve) -> Self {
+    /// Of a surface, from these files: brightness of a sphere of it over phase angles.
+    pub fn of_surface(name: &str, curve: &PhaseCurve, inputs: Vec<PathBuf>) -> Self {
         let mut csv =
             format!("# disc-integrated brightness of a sphere of {name} over that of a white Lambert disc\nphase_deg");
         curve.columns.iter().for_each(|(name, _)| csv.push_str(&format!(",{}", name.replace(' ', "_"))));
@@ -90,30 +98,30 @@ impl CurveSheet {
             &curve.phase_deg,
             &curves,
         );
-        CurveSheet { csv, svg, folder: None }
+        CurveSheet { csv, svg, inputs }
     }
 
     /// Writes the table, the drawing, or both.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a drawing whose name does not end in `.svg`, and if a part of the product would be replaced; those of
-    /// [`Staged::file`]; [`Error::Io`].
+    /// [`Error::Invalid`] for a drawing whose name does not end in `.svg` or is the table's, and if what it is made from would be replaced; those
+    /// of [`Staged::file`]; [`Error::Io`]. Then neither is written.
     pub fn write(&self, csv: Option<&Path>, svg: Option<&Path>, replace: bool) -> Result<()> {
         if let Some(svg) = svg.filter(|path| path.extension().is_none_or(|e| e != "svg")) {
             let message = "curves are drawn as SVG: give it a name that ends in .svg";
             return Err(Error::invalid(Location::file(svg), message));
         }
-        let inputs: Vec<PathBuf> = match &self.folder {
-            Some(folder) => product_folder::files(folder)?.into_iter().map(|(name, _)| folder.join(name)).collect(),
-            None => vec![],
-        };
+        if let Some(csv) = csv.filter(|csv| svg == Some(*csv)) {
+            return Err(Error::invalid(Location::file(csv), "is named for the table and for the drawing"));
+        }
+        let mut written = Vec::new();
         for (target, content) in [(csv, &self.csv), (svg, &self.svg)] {
             let Some(target) = target else { continue };
             let staged = Staged::file(target, replace)?;
-            staged.spares(inputs.iter().chain(&self.folder).map(PathBuf::as_path))?;
+            staged.spares(self.inputs.iter().map(PathBuf::as_path))?;
             staged.put(staged.path(), |out| std::io::Write::write_all(out, content.as_bytes()))?;
-            staged.commit()?;
+            written.push(staged);
         }
-        Ok(())
+        written.into_iter().try_for_each(Staged::commit)
     }
 }

@@ -1,6 +1,6 @@
 //! How a surface reflects: of a scene's material, or of a preset.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::CurveSheet;
 use crate::error::{Error, Location, Problem, Result};
@@ -21,14 +21,14 @@ pub struct SurfaceFacts {
 }
 
 impl SurfaceFacts {
-    fn new(name: &str, (entries, curve): (Vec<SurfaceEntry>, PhaseCurve)) -> Self {
-        let sheet = CurveSheet::of_surface(name, &curve);
+    fn new(name: &str, (entries, curve): (Vec<SurfaceEntry>, PhaseCurve), inputs: Vec<PathBuf>) -> Self {
+        let sheet = CurveSheet::of_surface(name, &curve, inputs);
         SurfaceFacts { entries, curve, sheet }
     }
 
     /// Of a preset, at its own wavelength.
     pub fn of_preset(preset: Preset) -> Self {
-        SurfaceFacts::new(preset.name(), study::surface_of_preset(preset))
+        SurfaceFacts::new(preset.name(), study::surface_of_preset(preset), vec![])
     }
 
     /// Of a scene's material at these wavelengths, um; without any those of the first, middle and last band with sunlight.
@@ -48,6 +48,6 @@ impl SurfaceFacts {
             let message = format!("{name:?} is not known at {um} um: its tables are from {first} to {last} um");
             Error::invalid(Location::file(scene), message)
         })?;
-        Ok(SurfaceFacts::new(name, found))
+        Ok(SurfaceFacts::new(name, found, file.inputs.into_iter().map(|input| input.path).collect()))
     }
 }

@@ -171,15 +171,47 @@ fn a_file_of_materials_that_appears_is_read() {
 fn what_a_killed_process_left_is_removed_and_what_another_writes_is_not() {
     let scratch = scratch();
     std::fs::create_dir(scratch.join("cache")).unwrap();
-    scratch.write("cache/0.1.0.partial", "half");
-    scratch.write("cache/0.2.0.partial", "half");
-    scratch.write("cache/notes.txt", "mine");
-    let written = std::fs::File::open(scratch.join("cache/0.2.0.partial")).unwrap();
+    let key = "0a".repeat(32);
+    let (left, busy) = (format!("{key}.1.0.partial"), format!("{key}.2.0.partial"));
+    scratch.write(&format!("cache/{left}"), "half");
+    scratch.write(&format!("cache/{busy}"), "half");
+    scratch.write("cache/probe.1.0.partial", "");
+    // A folder of other things may be named, too: what downloads leave ends like this.
+    let foreign = ["0a.1.0.partial", "film.mp4.partial", "notes.txt"];
+    foreign.iter().for_each(|name| drop(scratch.write(&format!("cache/{name}"), "mine")));
+    let written = std::fs::File::open(scratch.join("cache").join(&busy)).unwrap();
     written.try_lock().unwrap();
     product(&scratch, true);
     let names: Vec<String> =
         entries(&scratch).into_keys().filter(|name| !KINDS.iter().any(|kind| name.ends_with(kind))).collect();
-    assert_eq!(names, ["0.2.0.partial", "notes.txt"]);
+    assert_eq!(names, ["0a.1.0.partial".to_owned(), busy, "film.mp4.partial".into(), "notes.txt".into()]);
+}
+
+/// The whole of a `mtllib` is one name, and only if there is no such file, several.
+#[test]
+fn a_material_file_that_comes_to_be_is_taken() {
+    let scratch = scratch();
+    scratch.edit("ball.obj", "mtllib ball.mtl", "mtllib ball.mtl other.mtl");
+    scratch.write("other.mtl", "newmtl other\nKd 1 0 0\n");
+    let (before, _) = product(&scratch, true);
+    scratch.write("ball.mtl other.mtl", "newmtl grey\nKd 0.05 0.05 0.05\n");
+    scratch.edit("scene.toml", "\"#808080\"", "\"#3f3f3f\"");
+    let (truth, _) = product(&scratch, false);
+    assert!(product(&scratch, true).0 == truth && truth != before);
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_passed_over() {
+    let scratch = scratch();
+    let (truth, _) = product(&scratch, true);
+    for (name, _) in entries(&scratch) {
+        let path = scratch.join("cache").join(name);
+        std::fs::remove_file(&path).unwrap();
+        // A pipe, which nobody writes to.
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    }
+    assert!(product(&scratch, true) == (truth, 0));
 }
 
 #[test]

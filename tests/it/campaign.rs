@@ -377,6 +377,18 @@ fn what_has_changed_is_made_again() {
     assert_eq!(states(&made(&scratch, "out", &[]).1, "done"), 4);
     assert_eq!(std::fs::metadata(product.join("cube.img")).unwrap().len(), 6 * 6 * 2 * 8);
     assert_eq!(std::fs::metadata(scratch.join("out/sights/site.npz")).unwrap().modified().unwrap(), sights);
+    // They are kept in whatever format they are.
+    for (formats, there) in
+        [("[\"netcdf\"]", "cube.nc"), ("[\"zarr\", \"pds4\"]", "cube.xml"), ("[\"fits\"]", "cube.fits")]
+    {
+        scratch.write("campaign.toml", format!("{CAMPAIGN}[output]\nformats = {formats}\n"));
+        for state in ["done", "kept"] {
+            let (code, lines, err) = made(&scratch, "out", &[]);
+            assert!(code == 0 && states(&lines, state) == 4, "{formats}: {err}");
+        }
+        assert!(product.join(there).exists(), "{formats}");
+        assert_eq!(manifest(&scratch, "out")["acquisitions"].as_array().unwrap().len(), 4);
+    }
     // A product of another command is nobody's to replace.
     std::fs::remove_dir_all(&product).unwrap();
     let (scene, folder) = (scratch.argument("scene.toml"), product.to_str().unwrap().to_owned());

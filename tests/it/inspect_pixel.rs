@@ -176,3 +176,42 @@ fn spectra_of_a_file_are_drawn() {
     let (code, _, err) = run(&["inspect", &file, "--picture", &scratch.argument("two.png"), "--quiet"]);
     assert!(code == 1 && err.contains(".svg"), "{err}");
 }
+
+/// What is read is not written over, and of two files neither is written unless both are.
+#[test]
+fn tables_and_drawings_spare_what_they_are_made_from() {
+    let scratch = Scratch::new();
+    scratch.write("two.csv", "wavelength_um,ice,dust\n1,0.0,0.1\n2,0.4,0.1\n3,0.2,0.1\n");
+    let file = scratch.argument("two.csv");
+    let library = scratch.argument("two.sli");
+    assert_eq!(run(&["convert", &file, &library, "--quiet"]).0, 0);
+    scratch.write("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl soil\nf 1 2 3\n");
+    scratch.write(
+        "scene.toml",
+        "mmxrt_scene = 1\norigin_m = [0.0, 0.0, 11000.0]\n[[mesh]]\nfile = \"ball.obj\"\n[materials]\nsoil = { reflectance = 0.05 }\n\
+         [sun]\ndirection = [0.0, 0.0, 1.0]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\nposition_m = [0.0, 0.0, 12000.0]\n\
+         target_m = [0.0, 0.0, 11000.0]\nup = [0.0, 1.0, 0.0]\n[sensor]\nsamples = 2\nlines = 2\nifov_mrad = 1.0\nbands = { centres_um = [1.0] }\n",
+    );
+    let scene = scratch.argument("scene.toml");
+    let of_scene = [scene.as_str(), "--material", "soil"];
+    for (input, target) in [
+        (&[file.as_str()][..], "two.csv"),
+        (&[library.as_str()], "two.sli"),
+        (&[library.as_str()], "two.hdr"),
+        (&of_scene, "scene.toml"),
+        (&of_scene, "ball.obj"),
+    ] {
+        let before = std::fs::read(scratch.join(target)).unwrap();
+        let out = scratch.argument(target);
+        let (code, _, err) = run(&[&["inspect", "--csv", &out, "--force", "--quiet"], input].concat());
+        assert!(code == 1 && err.contains("is read for it"), "{target}: {err}");
+        assert!(std::fs::read(scratch.join(target)).unwrap() == before, "{target}");
+    }
+    let there = scratch.write("there.svg", "x");
+    let csv = scratch.argument("new.csv");
+    let (code, _, err) = run(&["inspect", &file, "--csv", &csv, "--picture", there.to_str().unwrap(), "--quiet"]);
+    assert!(code == 1 && err.contains("exists") && !scratch.join("new.csv").exists(), "{err}");
+    let both = scratch.argument("both.svg");
+    let (code, _, err) = run(&["inspect", &file, "--csv", &both, "--picture", &both, "--quiet"]);
+    assert!(code == 1 && err.contains("table and for the drawing") && !scratch.join("both.svg").exists(), "{err}");
+}

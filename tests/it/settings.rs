@@ -82,7 +82,10 @@ fn mistakes_are_told_where_they_are_made() {
         assert!(code == 1 && err.contains(told), "{setting}: {code} {err}");
         assert!(!scratch.join("out").exists());
     }
-    for setting in ["sensor.samples", "=6", "a[=1", "sun.distance_au=1979-05-27"] {
+    let deep = format!("{}=1", vec!["a"; 60_000].join("."));
+    for setting in
+        ["sensor.samples", "=6", "a[=1", "sun.distance_au=1979-05-27", "sun.distance_au=3.0\nsamples = 99", &deep]
+    {
         let (code, err) = simulate(&scratch, "scene.toml", "out", &[setting]);
         assert!(code == 2 && err.contains("--set"), "{setting}: {code} {err}");
     }

@@ -12,7 +12,7 @@ use crate::formats::input;
 /// How such a file begins.
 const MAGIC: &[u8] = b"mmxrt cache\n";
 /// Bytes of a hash.
-const HASH: usize = 32;
+pub(super) const HASH: usize = 32;
 
 /// What an entry holds.
 #[derive(Debug, Default, PartialEq)]
@@ -83,7 +83,9 @@ pub(super) fn write(file: &File, name: &str, packed: &Packed) -> io::Result<()> 
 
 /// An entry that is whole, and is what its name says.
 pub(super) fn read(path: &Path, name: &str) -> Option<Packed> {
-    let bytes = input::bytes(path, u64::MAX - 1).ok()?;
+    // What is no file may never end, or wait for one who writes.
+    let length = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?.len();
+    let bytes = input::bytes(path, length).ok()?;
     let (rest, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH)?)?;
     if blake3::hash(rest).as_bytes() != hash {
         return None;

@@ -34,7 +34,7 @@ impl Kept for MeshFile {
 
     fn packed(&self) -> Option<Packed> {
         // A file of materials that is not there may be there the next time.
-        if !self.material_doubts.is_empty() {
+        if self.may_change || !self.material_doubts.is_empty() {
             return None;
         }
         let mut packed = Packed::new(&Text {
@@ -73,6 +73,7 @@ fn unpacked(mut packed: Packed, file: &InputFile) -> Option<MeshFile> {
         report,
         doubts,
         material_doubts: vec![],
+        may_change: false,
         inputs,
     })
 }

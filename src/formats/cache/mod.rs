@@ -10,6 +10,7 @@ mod mesh;
 mod mesh_file;
 mod topology;
 
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -62,6 +63,15 @@ impl Key {
     }
 }
 
+/// Whether this is what a file is called while it is written: KEY.PROCESS.NUMBER.partial, or probe. ...
+fn is_partial(name: &OsStr) -> bool {
+    let parts: Vec<&str> = name.to_str().unwrap_or_default().split('.').collect();
+    let [key, process, number, PARTIAL] = parts[..] else { return false };
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let is_key = key == "probe" || key.len() == 2 * entry::HASH && key.bytes().all(|b| b.is_ascii_hexdigit());
+    is_key && is_number(process) && is_number(number)
+}
+
 /// The end of a name that no other file of this machine has.
 fn own_name() -> String {
     static COUNT: AtomicU64 = AtomicU64::new(0);
@@ -81,9 +91,10 @@ impl Cache {
         fs::create_dir_all(folder).map_err(|e| Error::io(folder, "making this folder", e))?;
         for entry in folder.read_dir().map_err(|e| Error::io(folder, "reading", e))?.flatten() {
             let path = entry.path();
-            // Whoever still writes it holds its lock.
+            // Whoever still writes it holds its lock. What is called otherwise is somebody else's; pipes would wait for one who writes.
             let is_left = || File::open(&path).is_ok_and(|file| file.try_lock().is_ok());
-            if path.extension().is_some_and(|ending| ending == PARTIAL) && is_left() {
+            let is_ours = entry.file_type().is_ok_and(|kind| kind.is_file()) && is_partial(&entry.file_name());
+            if is_ours && is_left() {
                 let _ = fs::remove_file(&path);
             }
         }

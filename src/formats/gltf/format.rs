@@ -47,5 +47,15 @@ fn read(path: &Path, outside: bool) -> Result<MeshFile> {
     let (looks, doubts) = report.notes.into_iter().partition(is_of_looks);
     report.notes = looks;
     let (ignored, material_doubts) = Default::default();
-    Ok(MeshFile { surface, up: Up::Y, unit_m: 1.0, ignored, report, doubts, material_doubts, inputs })
+    Ok(MeshFile {
+        surface,
+        up: Up::Y,
+        unit_m: 1.0,
+        ignored,
+        report,
+        doubts,
+        material_doubts,
+        may_change: false,
+        inputs,
+    })
 }

@@ -35,6 +35,7 @@ fn plain(vertices: Vec<DVec3>, facets: Vec<[u32; 3]>, unit_m: f64, input: InputF
         report: Report::default(),
         doubts,
         material_doubts: vec![],
+        may_change: false,
         inputs: vec![input],
     }
 }

@@ -60,6 +60,7 @@ fn read(path: &Path, outside: bool) -> Result<MeshFile> {
         report,
         doubts: obj.doubts,
         material_doubts: obj.material_doubts,
+        may_change: obj.may_change,
         inputs: obj.inputs,
     })
 }

@@ -19,6 +19,8 @@ pub(super) struct Libraries<'a> {
     /// A material's name, a place, and what has no place here.
     pub(super) losses: Vec<(String, Location, &'static str)>,
     pub(super) doubts: Vec<Note>,
+    /// Whether one was not found just where it was looked for first.
+    pub(super) may_change: bool,
 }
 
 impl Libraries<'_> {
@@ -27,7 +29,9 @@ impl Libraries<'_> {
     /// # Errors
     /// As [`mtl::read`]; [`Error::Io`] if it is not there.
     pub(super) fn load(&mut self, name: &str) -> Result<Vec<ObjMaterial>> {
-        let (found, is_first) = self.find(name)?;
+        let found = self.find(name);
+        self.may_change |= !matches!(found, Ok((_, true)));
+        let (found, is_first) = found?;
         let (file, input) = mtl::read(&found)?;
         self.inputs.push(input);
         let mut doubt = |at, message: String| self.doubts.push(Note { fate: Fate::Defaulted, at, message });

@@ -80,6 +80,8 @@ pub struct ObjFile {
     pub doubts: Vec<Note>,
     /// The same of its materials.
     pub material_doubts: Vec<Note>,
+    /// Whether a material file was looked for in vain that would take another one's place if it came to be.
+    pub may_change: bool,
     /// The files that were read: the OBJ, then its material files.
     pub inputs: Vec<InputFile>,
 }
@@ -113,11 +115,13 @@ pub fn read(path: &Path) -> Result<ObjFile> {
 pub fn read_where(path: &Path, outside: bool) -> Result<ObjFile> {
     let file = input::open(path).map_err(|e| Error::io(path, "reading", e))?;
     let mut source = input::Hashing::new(file);
-    let mut libraries = Libraries { path, outside, inputs: Vec::new(), losses: Vec::new(), doubts: Vec::new() };
+    let mut libraries =
+        Libraries { path, outside, inputs: Vec::new(), losses: Vec::new(), doubts: Vec::new(), may_change: false };
     let mut obj = parse(&mut source, path, &mut |name| libraries.load(name))?;
     obj.inputs.push(source.finish(path));
     obj.inputs.append(&mut libraries.inputs);
     obj.material_doubts.append(&mut libraries.doubts);
+    obj.may_change = libraries.may_change;
     let used: BTreeSet<&str> = obj.materials.iter().map(|material| material.name.as_str()).collect();
     for (name, at, what) in libraries.losses {
         if used.contains(name.as_str()) {

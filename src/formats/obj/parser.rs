@@ -536,6 +536,7 @@ impl<'a> Parser<'a> {
             report,
             doubts,
             material_doubts: self.material_doubts,
+            may_change: false,
             inputs: Vec::new(),
         })
     }
