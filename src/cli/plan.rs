@@ -173,5 +173,8 @@ pub(super) fn in_short(plan: &Plan) -> String {
         if keys.is_empty() { String::new() } else { format!("; {}: {}", word(decision), keys.join(", ")) }
     };
     let parts: String = [Decision::Kept, Decision::Dropped, Decision::Open].map(of).concat();
-    format!("plan: {}, tolerance {}{parts}", plan.model, plan.tolerance)
+    // Who names effects has decided; who leaves it to the tolerance must hear that it is not reached.
+    let is_open = matches!(plan.model.as_str(), "auto" | "full") && !plan.keeps_tolerance();
+    let verdict = if is_open { " (NOT shown to be kept: `mmxrt plan` says by what)" } else { "" };
+    format!("plan: {}, tolerance {}{verdict}{parts}", plan.model, plan.tolerance)
 }

@@ -8,6 +8,7 @@ use crate::formats::exr_cube::ExrCube;
 use crate::formats::folder::Staged;
 use crate::formats::instrument_toml::InstrumentFile;
 use crate::formats::product_cubes::{CubeFile, CubeFormats, CubeSource};
+use crate::formats::radiance_map;
 use crate::formats::registry;
 use crate::formats::report_json::{self, InstrumentReport, Run, SignalEntry};
 use crate::instrument::Chain;
@@ -69,7 +70,7 @@ pub fn instrument(
         let message = "bands of a cube have widths and no shapes: electrons are those of Gaussian responses, 1.064 times those of boxes as wide";
         remarks.push(message.to_owned());
     }
-    let is_radiance = raster.unit.as_deref().is_none_or(|unit| unit == Quantity::Radiance.unit());
+    let scale = raster.unit.as_deref().map_or(Some(1.0), radiance_map::radiance_scale);
     let centres: Option<Vec<Band>> = raster
         .bands
         .iter()
@@ -77,10 +78,10 @@ pub fn instrument(
         .collect();
     let problem = |message: String| Err(Error::invalid(Location::file(&asked.cube), message));
     let Some(bands) = centres else { return problem("has bands without a wavelength".to_owned()) };
-    if !is_radiance {
+    let Some(scale) = scale else {
         let unit = raster.unit.clone().unwrap_or_default();
         return problem(format!("is in {unit}: radiance in {} is needed", Quantity::Radiance.unit()));
-    }
+    };
     let inputs = raster.inputs()?;
     let all = inputs.iter().chain(&asked.instrument.inputs).map(|input| input.path.as_path());
     staged.spares(all)?;
@@ -105,6 +106,7 @@ pub fn instrument(
         for (i, band) in axes.bands.iter().enumerate() {
             tell(watch, "bands", i as u64, axes.bands.len() as u64)?;
             raster.read(i, &mut values)?;
+            values.iter_mut().for_each(|value| *value *= scale);
             let through = match optics {
                 Some(optics) => over_cube::blurred(optics, band.centre_um, &values, [axes.samples, axes.lines]),
                 None => values.clone(),

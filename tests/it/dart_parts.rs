@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use mmxrt::formats::dart::output::{self, OutputMapOptions, RegistrationMode};
 use mmxrt::formats::registry;
+use mmxrt::progress::unwatched;
 
 use crate::cli::run;
 use crate::dart_output::{Image, box_on_ground, oblique, options, output_with, view_map};
@@ -34,10 +35,14 @@ fn images_of_one_type_of_objects_are_a_map_with_nothing_elsewhere() {
             "{out}{err}"
         );
     }
-    // Its outline is not that of the scene: it lies where it is said to.
+    // Its outline is not that of the scene: it lies where it is said to, or where its corners put it.
     let ground = output::open(&output.join("2_Ground")).unwrap();
-    let options = OutputMapOptions { placing: RegistrationMode::Shifted([0.0; 2]), ..options() };
-    let mut map = view_map(&ground, 0, &box_on_ground(), &options).unwrap();
+    let said = OutputMapOptions { placing: RegistrationMode::Shifted([0.0; 2]), ..options() };
+    let said = view_map(&ground, 0, &box_on_ground(), &said).unwrap();
+    let outlined = OutputMapOptions { placing: RegistrationMode::Outline, ..options() };
+    let (mut map, note) = ground.view_map(0, &box_on_ground(), &outlined, &unwatched).unwrap();
+    assert!(note.is_some_and(|note| note.contains("2_Ground alone")), "told");
+    assert_eq!(format!("{:?}", map.placement), format!("{:?}", said.placement));
     let mut values = Vec::new();
     map.source.read(0, &mut values).unwrap();
     assert_eq!(values.len(), 16 * 12);

@@ -201,4 +201,29 @@ fn an_instrument_writes_every_format() {
             assert!(same(&all_values(&mut open(&path)), &truth), "{}", path.display());
         }
     }
+    // And takes every one.
+    let truth = all_values(&mut open(&scratch.join("dn/dn.hdr")));
+    for ending in ["nc", "zarr", "fits", "xml", "exr"] {
+        let (cube, out) = (scratch.argument(&format!("dn/cube.{ending}")), scratch.argument(&format!("of_{ending}")));
+        let (code, _, err) = run(&["instrument", &cube, "--instrument", &camera, "-o", &out, "--quiet"]);
+        assert_eq!(code, 0, "{ending}: {err}");
+        let of = |folder: &str| all_values(&mut open(&scratch.join(&format!("{folder}/cube.hdr"))));
+        assert!(of(&format!("of_{ending}")) == of("of_nc"), "{ending}");
+    }
+    // In another unit it is the same, but for rounding.
+    let (nm, out) = (scratch.argument("per_nm.img"), scratch.argument("per_nm"));
+    let cube = std::fs::read(scratch.join("dn/cube.img")).unwrap();
+    let values = cube.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap()) / 1000.0);
+    std::fs::write(&nm, values.flat_map(f32::to_le_bytes).collect::<Vec<u8>>()).unwrap();
+    let header = std::fs::read_to_string(scratch.join("dn/cube.hdr")).unwrap();
+    assert!(header.contains("W m-2 sr-1 um-1"), "{header}");
+    scratch.write("per_nm.hdr", header.replace("W m-2 sr-1 um-1", "W.m^-2.sr^-1.nm^-1"));
+    let (code, _, err) = run(&["instrument", &nm, "--instrument", &camera, "-o", &out, "--quiet"]);
+    assert_eq!(code, 0, "{err}");
+    let again = all_values(&mut open(&scratch.join("per_nm/dn.hdr")));
+    let counts = |folder: &str| all_values(&mut open(&scratch.join(&format!("{folder}/dn.hdr"))));
+    assert_eq!(again.len(), truth.len());
+    for (a, b) in again.iter().zip(&counts("of_nc")) {
+        assert!((a - b).abs() <= 1.0 || a.is_nan() && b.is_nan(), "{a} {b}");
+    }
 }

@@ -28,7 +28,7 @@ use super::scene_toml::{self, Lens, Optics, Tiling, TomlReader};
 use super::{Format, InputFile};
 use crate::error::{Error, Location, Problem, Result, number};
 use crate::geometry::{Camera, Direction, FrameCamera, Pose};
-use crate::product::{Placement, RadianceMap, SkyShare, TexelSource, ViewImage};
+use crate::product::{Placement, Quantity, RadianceMap, SkyShare, TexelSource, ViewImage};
 use crate::progress::Watch;
 use crate::scene::Scene;
 use crate::spectral::{Band, KnownLight, Light};
@@ -37,7 +37,13 @@ pub(crate) use sum::counts_once;
 pub use sum::{Sum, Summand, open_sum, summands};
 use types::{DartMapToml, MapToml, NegativeToml, NumbersToml, PlacementToml, QuantityToml, RegistrationToml, SkyToml};
 pub(super) use unit::Unit;
+
 use values::{RasterTexels, TiledTexels, ToRadiance};
+
+/// How many W m-2 sr-1 um-1 one of a unit is, however a file spells it; `None` for units of other things.
+pub fn radiance_scale(unit: &str) -> Option<f64> {
+    Unit::of(unit)?.over(&Unit::of(Quantity::Radiance.unit())?)
+}
 
 /// A repeated image has no more texels: as f64 they take 2 GiB.
 const MOST_TEXELS: usize = 1 << 28;

@@ -523,12 +523,28 @@ impl Raster {
         &self.files
     }
 
-    /// The files that it comes from, for reports. They are read to the end for their hashes.
+    /// The files that it comes from, for reports: of a folder all that are in it, by their names. They are read to the end for their hashes.
     ///
     /// # Errors
     /// [`Error::Io`].
     pub fn inputs(&self) -> Result<Vec<InputFile>> {
-        self.files.iter().map(|path| InputFile::hashed(path)).collect()
+        let mut files = Vec::new();
+        for path in &self.files {
+            let mut found: Vec<PathBuf> = Vec::new();
+            let mut open = vec![path.clone()];
+            while let Some(path) = open.pop() {
+                if !path.is_dir() {
+                    found.push(path);
+                    continue;
+                }
+                for entry in path.read_dir().map_err(|e| Error::io(&path, "reading", e))? {
+                    open.push(entry.map_err(|e| Error::io(&path, "reading", e))?.path());
+                }
+            }
+            found.sort();
+            files.append(&mut found);
+        }
+        files.iter().map(|path| InputFile::hashed(path)).collect()
     }
 }
 

@@ -124,7 +124,8 @@ pub struct OutputMapOptions {
 /// How an image's position is found: DART-FT prints the corners of oblique images off from where they lie.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum RegistrationMode {
-    /// By the outline of texels with a value against the scene's own; if they do not fit, it is an error.
+    /// By the outline of texels with a value against the scene's own; if they do not fit, it is an error. Images of one type of objects, which have
+    /// another outline, lie where their corners put them.
     #[default]
     Outline,
     /// As above, but what fits best is taken, however bad it is.
@@ -297,7 +298,17 @@ impl Output {
             return Err(Error::invalid(Location::file(&self.folder), message));
         };
         let pose = self.scene_from_dart(scene, options);
-        images::map(view, &self.properties, pose, scene, options, watch)
+        let is_outlined = options.placing == RegistrationMode::Outline;
+        let Some(of_type) = self.of_type.as_ref().filter(|_| is_outlined) else {
+            return images::map(view, &self.properties, pose, scene, options, watch);
+        };
+        let printed = OutputMapOptions { placing: RegistrationMode::Shifted([0.0; 2]), ..options.clone() };
+        let (map, _) = images::map(view, &self.properties, pose, scene, &printed, watch)?;
+        let note = format!(
+            "{}: images of {of_type} alone do not have the scene's outline: it lies where its printed corners put it",
+            map.name
+        );
+        Ok((map, Some(note)))
     }
 
     /// Bands with a radiative budget for each triangle, ascending.
