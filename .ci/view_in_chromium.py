@@ -196,6 +196,157 @@ def other_layouts(tab, page, scratch):
     print("  BIL, BIP and BSQ of other types and byte orders: as in the file")
 
 
+def write_envi(path, numbers, more=""):
+    """Writes [band, line, sample] as f32, band by band."""
+    bands, lines, samples = numbers.shape
+    numbers.astype("<f4").tofile(path)
+    path.with_suffix(".hdr").write_text(
+        f"ENVI\nsamples = {samples}\nlines = {lines}\nbands = {bands}\nheader offset = 0\ndata type = 4\ninterleave = bsq\nbyte order = 0\n{more}"
+    )
+
+
+def limb(folder, count):
+    """A product in which a disc is before the sky, with so many planes: its cube, its thermal part, what is covered; two pixels have no data, nine are dark."""
+    lines, samples, bands = 96, 90, 20
+    y, x = np.mgrid[:lines, :samples]
+    covered = (x - 47.3) ** 2 + (y - 44.8) ** 2 < 37**2
+    some = np.random.default_rng(1)
+    thermal = np.float32(covered * (0.2 + some.random((bands, lines, samples))))
+    cube = np.float32(thermal + covered * (0.5 + some.random((bands, lines, samples))))
+    for of in (cube, thermal):
+        of[:, 30:33, 30:33] = 0
+        of[:, 40, 40:42] = -9999.9
+    folder.mkdir()
+    # This one is no f32.
+    for name, of in (("cube", cube), ("thermal", thermal)):
+        write_envi(folder / f"{name}.img", of, "data ignore value = -9999.9\n")
+    names = ["COVERAGE", "PHASE (deg)", "ABUNDANCE grey (old)", *(f"P{k} (m)" for k in range(count))][:count]
+    write_envi(folder / "backplanes.img", np.broadcast_to(np.float32(covered), (count, lines, samples)), f"band names = {{{', '.join(names)}}}\n")
+    for of in (cube, thermal):
+        of[of == np.float32(-9999.9)] = np.nan
+    return cube, thermal, covered
+
+
+def opens(tab, page):
+    tab.goto(page.as_uri())
+    tab.wait_for_function("() => performance.getEntriesByName('first picture').length > 0")
+
+
+def drops(tab, files, said):
+    """Gives files to the page, and waits until it says so."""
+    tab.set_input_files("#file", files)
+    tab.wait_for_function("said => document.getElementById('coarse').textContent.includes(said)", arg=said)
+    settled(tab)
+
+
+def columns(tab):
+    """The table of all bands, by what its columns are of."""
+    if not tab.evaluate("document.querySelector('#readout details').open"):
+        tab.click("summary")
+    tab.wait_for_selector("#spectrum-table tbody tr")
+    numbers = tab.evaluate("[...document.querySelectorAll('#spectrum-table tbody tr')].map(r => [...r.cells].map(c => Number(c.textContent)))")
+    return dict(zip(tab.evaluate("[...document.querySelectorAll('#spectrum-table th')].map(c => c.textContent)"), np.float32(numbers).T))
+
+
+def no_reflected(tab, missing):
+    """Cube and thermal part are of other pixels: nothing on the page is their difference, and it says what is missing."""
+    assert "A reflected" not in columns(tab) and "reflected" not in tab.text_content("#legend")
+    assert tab.locator("#layer option[value=reflected]").count() == 0
+    assert f"The reflected part needs {missing}" in tab.text_content("#coarse")
+
+
+def one_file_alone(tab, page, product, cube, thermal):
+    """The cube without its thermal part, and the other way around, on a page that has means of 2 x 2 pixels."""
+    (x, y), cell = (50, 21), (slice(None), slice(20, 22), slice(50, 52))
+    means_of = lambda of: of[cell].astype(float).mean((1, 2)).astype(np.float32)
+    for dropped, stays, full, coarse in (("cube", "thermal", cube, thermal), ("thermal", "cube", thermal, cube)):
+        opens(tab, page)
+        tab.select_option("#layer", "reflected")
+        click(tab, x, y)
+        found = columns(tab)
+        assert np.array_equal(found["A value"], means_of(cube)) and np.array_equal(found["A thermal"], means_of(thermal))
+        assert np.allclose(found["A reflected"], means_of(cube) - means_of(thermal), rtol=1e-6)
+        drops(tab, [product / f"{dropped}.img"], "Full")
+        no_reflected(tab, f"{stays}.img")
+        assert tab.input_value("#layer") == "cube"
+        found = columns(tab)
+        columns_of = {"cube": "A value", "thermal": "A thermal"}
+        assert np.array_equal(found[columns_of[dropped]], full[:, y, x]) and np.array_equal(found[columns_of[stays]], means_of(coarse))
+        note = tab.text_content("#values")
+        assert ("thermal part: mean of 2 × 2 pixels" if stays == "thermal" else "spectrum: mean of 2 × 2 pixels; thermal part: all pixels") in note, note
+        drops(tab, [product / f"{stays}.img"], f"from {stays}.img")
+        found = columns(tab)
+        assert np.array_equal(found["A reflected"], cube[:, y, x] - thermal[:, y, x])
+        assert "needs" not in tab.text_content("#coarse") and tab.locator("#layer option[value=reflected]").count() == 1
+    print("  one file dropped alone: nothing is subtracted from other pixels")
+
+
+def what_is_sky(tab, page, product, cube, covered, planes_side):
+    """Which pixels have a check pattern, of means of 2 x 2 pixels and of all pixels."""
+    opens(tab, page)
+    assert [tab.evaluate(f"page.sources.{key}.side") for key in ("cube", "planes")] == [2, planes_side]
+    tab.select_option("#layer", "cube")
+    tab.fill("#band", "5")
+    settled(tab)
+    cells = lambda of, how: how(of.reshape(48, 2, 45, 2), (1, 3))
+    has_data = np.isfinite(cube[5])
+    is_seen = covered if planes_side == 1 else has_data & (cube[5] != 0)
+    assert np.array_equal(canvas(tab)[..., 3] > 0, cells(is_seen, np.any) & cells(has_data, np.any)), "sky of cells"
+    drops(tab, [product / "cube.img"], "Full cube")
+    assert ("count as sky" in tab.text_content("#coarse")) == (planes_side > 1)
+    assert np.array_equal(canvas(tab)[..., 3] > 0, is_seen & has_data), "sky of pixels"
+    near(canvas(tab), stretched(np.nan_to_num(cube[5]).astype(float), is_seen & has_data) * (is_seen & has_data), f"a limb, of which one backplane's pixel in {planes_side} x {planes_side} is known")
+    lost = tab.evaluate("page.sources.cube.region([40, 40, 40, 40]).then(all => all.map(m => m.count))")
+    assert lost == [0] * len(cube), "no data"
+
+
+def strange_files(tab, page, product, cube, scratch):
+    """Files that are not the page's, or in another layout; and a drag that the system takes over."""
+    opens(tab, page)
+    write_envi(scratch / "other.img", cube[::-1])
+    (scratch / "alone.hdr").write_text("ENVI\n")
+    for files, said in (
+        ([scratch / "other.img"], "other.img holds other numbers than the cube"),
+        ([product / "thermal.img", product / "cube.hdr", scratch / "other.img"], "other.img holds other numbers than the cube"),
+        ([scratch / "alone.hdr"], "alone.hdr is a header"),
+    ):
+        drops(tab, files, said)
+        assert not tab.evaluate("Boolean(page.sources.cube.blob || page.sources.thermal.blob)"), "taken all the same"
+    numbers = np.nan_to_num(cube, nan=-9999.9)
+    numbers.transpose(1, 0, 2).astype("<f4").tofile(scratch / "bil.dat")
+    bands, lines, samples = cube.shape
+    # A key without a value is none, and does not take the next line.
+    header = f"ENVI\r\nsamples = {samples}\r\nlines = {lines}\r\nbands = {bands}\r\nheader offset =\r\ndata type = 4\r\nmap info =\r\ninterleave = bil\r\ndata ignore value = -9999.9\r\n"
+    (scratch / "bil.hdr").write_text(header, newline="")
+    drops(tab, [scratch / "bil.dat", scratch / "bil.hdr"], "Full cube")
+    found = tab.evaluate("page.sources.cube.plane(7).then(p => Array.from(p, v => isNaN(v) ? null : v))")
+    assert np.array_equal(np.float32([np.nan if v is None else v for v in found]).reshape(lines, samples), cube[7], equal_nan=True)
+    for layer, unit in (("plane 1", "deg"), ("plane 2", ""), ("plane 3", "m")):
+        tab.select_option("#layer", layer)
+        settled(tab)
+        assert tab.text_content("#unit") == unit, layer
+    click(tab, 3, 5)
+    box = tab.locator("#image").bounding_box()
+    tab.mouse.move(box["x"] + 20, box["y"] + 20)
+    tab.mouse.down()
+    tab.evaluate("document.getElementById('image').dispatchEvent(new PointerEvent('pointercancel'))")
+    tab.mouse.move(box["x"] + 60, box["y"] + 60)
+    tab.mouse.up()
+    settled(tab)
+    assert tab.evaluate("page.selected.a") == [3, 5, 3, 5]
+    print("  other files are refused, other layouts read; a drag that is cancelled marks nothing")
+
+
+def small_products(tab, scratch):
+    for count, side in ((1, 1), (60, 3)):
+        product, page = scratch / f"limb_{count}", scratch / f"limb_{count}.html"
+        cube, thermal, covered = limb(product, count)
+        subprocess.run([MMXRT, "view", product, "-o", page, "--budget", "1", "--quiet"], check=True)
+        what_is_sky(tab, page, product, cube, covered, side)
+        one_file_alone(tab, page, product, cube, thermal)
+    strange_files(tab, page, product, cube, scratch)
+
+
 def main():
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if not chromium:
@@ -216,6 +367,7 @@ def main():
                 check(tab, page)
                 if image("cube").nbytes < 200e6:
                     other_layouts(tab, page, folder)
+                    small_products(tab, folder)
             tab.goto(page.as_uri())
             tab.wait_for_function("() => performance.getEntriesByName('first picture').length > 0")
             click(tab, *(v // 2 for v in tab.evaluate("page.size")))

@@ -25,8 +25,8 @@ function plot(holder, curves, [across, along], cursor) {
   holder.replaceChildren();
   if (!xs.length || !ys.length) { holder.append(element("p", "No data to draw.")); return; }
   const ends = (values, pad) => {
-    const low = values.reduce((a, b) => Math.min(a, b)), high = values.reduce((a, b) => Math.max(a, b)), more = (high - low || Math.abs(high) || 1) * pad;
-    return high > low ? [low - more, high + more] : [low - more - 1e-300, high + more + 1e-300];
+    const low = values.reduce((a, b) => Math.min(a, b)), high = values.reduce((a, b) => Math.max(a, b)), more = (high - low || Math.abs(high)) * pad || pad;
+    return [low - more, high + more];
   };
   const [x0, x1] = ends(xs, xs.every((x) => x === xs[0]) ? 0.5 : 0), [y0, y1] = ends(ys, 0.06);
   const X = (x) => left + (x - x0) / (x1 - x0) * (width - left - right), Y = (y) => height - bottom - (y - y0) / (y1 - y0) * (height - top - bottom);

@@ -7,10 +7,10 @@ const TYPES = {
 /** So much is read at once, bytes. */
 const PIECE = 8 << 20;
 
-/** The keys of a header, lower case. */
+/** What a header says; a key without a value says nothing. */
 function header(text) {
   const keys = {};
-  for (const [, key, value] of text.matchAll(/^\s*([^=\n{}]+?)\s*=\s*(\{[^}]*\}|[^\n]*)/gm)) keys[key.toLowerCase()] = value.trim();
+  for (const [, key, value] of text.replace(/\r\n?/g, "\n").matchAll(/^\s*([^=\n{}]+?)[^\S\n]*=[^\S\n]*(\{[^}]*\}|[^\n]*)/gm)) if (value.trim()) keys[key.toLowerCase()] = value.trim();
   const number = (key, otherwise) => (key in keys ? Number(keys[key]) : otherwise), ignore = number("data ignore value", NaN);
   return {
     columns: number("samples"), rows: number("lines"), count: number("bands"), interleave: (keys.interleave || "bsq").toLowerCase(),
@@ -23,13 +23,15 @@ class FullCube {
   constructor(blob, embedded, layout) {
     const { key, title, unit, columns, rows, count, names, um, fwhm_um, colours } = embedded;
     Object.assign(this, { key, title, unit, columns, rows, count, names, um, fwhm_um, colours, blob, side: 1, across: columns, down: rows, told: "" }, layout);
-    const type = TYPES[this.data_type];
-    if (!type) throw new Error(`numbers of type ${this.data_type} are not read`);
+    const type = TYPES[this.data_type], { name } = blob;
+    if (!type) throw new Error(`${name}: numbers of type ${this.data_type} are not read`);
     [this.size, this.get] = type;
+    // It was written in decimals, and the numbers may be f32.
+    if (this.data_type === 4 && this.ignore !== null) this.ignore = Math.fround(this.ignore);
     const wanted = this.offset + columns * rows * count * this.size;
-    if (layout.scaled) throw new Error("its header scales the numbers: make a page of it with mmxrt view");
-    if (this.columns !== columns || this.rows !== rows || this.count !== count) throw new Error(`its header says ${this.columns} × ${this.rows} × ${this.count}, this page is of ${columns} × ${rows} × ${count}`);
-    if (blob.size < wanted) throw new Error(`has ${blob.size} bytes; ${columns} × ${rows} pixels of ${count} bands take ${wanted}`);
+    if (layout.scaled) throw new Error(`${name}: its header scales the numbers: make a page of it with mmxrt view`);
+    if (this.columns !== columns || this.rows !== rows || this.count !== count) throw new Error(`${name}: its header says ${this.columns} × ${this.rows} × ${this.count}, this page is of ${columns} × ${rows} × ${count}`);
+    if (blob.size < wanted) throw new Error(`${name} has ${blob.size} bytes; ${columns} × ${rows} pixels of ${count} bands take ${wanted}`);
   }
 
   /** Numbers from the one at `from`. */
@@ -63,8 +65,8 @@ class FullCube {
     const { columns, rows, count } = this, width = x1 - x0 + 1, all = [];
     if (this.interleave === "bsq") {
       for (let band = 0; band < count; band++) {
-        const part = await this.numbers((band * rows + y0) * columns + x0, (y1 - y0) * columns + width), values = [];
-        for (let y = 0; y <= y1 - y0; y++) values.push(...part.subarray(y * columns, y * columns + width));
+        const part = await this.numbers((band * rows + y0) * columns + x0, (y1 - y0) * columns + width), values = new Float64Array(width * (y1 - y0 + 1));
+        for (let y = 0; y <= y1 - y0; y++) values.set(part.subarray(y * columns, y * columns + width), y * width);
         all.push(moments(values));
       }
       return all;

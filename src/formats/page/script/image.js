@@ -1,22 +1,33 @@
 // The image, its marks, its scale and its histogram.
 
-/** Which cells of an image are sky: those whose pixel in the middle shows nothing. */
-async function skyOf(source) {
-  const planes = page.sources.planes, band = planes ? planes.names.findIndex((name) => name.startsWith("COVERAGE")) : -1;
-  if (band < 0) return null;
-  const coverage = await planes.plane(band), sky = new Uint8Array(source.across * source.down);
-  for (let y = 0; y < source.down; y++) for (let x = 0; x < source.across; x++) {
-    const middle = (cell, whole) => Math.floor(Math.floor((cell * source.side + Math.min((cell + 1) * source.side, whole)) / 2) / planes.side);
-    const share = coverage[middle(y, source.rows) * planes.across + middle(x, source.columns)];
-    sky[y * source.across + x] = share > 0 ? 0 : 1;
+/** Which cells of an image are sky: those in which the planes show nothing; if those are coarser than it, those without a number other than 0. */
+async function skyOf(source, bands) {
+  const { cube, planes } = page.sources, covers = planes ? [...planes.names.keys()].filter((k) => parted(planes.names[k]).bare === "COVERAGE" || planes.names[k].startsWith("GLOBE ")) : [];
+  if (!covers.length) return null;
+  const sky = new Uint8Array(source.across * source.down).fill(1);
+  if (planes.side > source.side) {
+    // Parts of the cube are 0 on the ground, too.
+    const of = canSubtract() ? cube : source;
+    for (const band of bands) (await of.plane(band)).forEach((value, i) => { if (value) sky[i] = 0; });
+    return sky;
   }
+  const span = (cell, whole) => [Math.floor(cell * planes.side / source.side), Math.floor((Math.min((cell + 1) * planes.side, whole) - 1) / source.side)];
+  for (const band of covers) (await planes.plane(band)).forEach((share, i) => {
+    if (!(share > 0)) return;
+    const [top, bottom] = span(Math.floor(i / planes.across), source.rows), [left, right] = span(i % planes.across, source.columns);
+    for (let y = top; y <= bottom; y++) sky.fill(0, y * source.across + left, y * source.across + right + 1);
+  });
   return sky;
 }
 
-async function picture(layer) {
+async function decoded(png) {
   const image = new Image();
-  image.src = `data:image/png;base64,${layer.png}`;
+  image.src = `data:image/png;base64,${png}`;
   await image.decode();
+  return image;
+}
+
+function picture(image) {
   sized(image.naturalWidth, image.naturalHeight);
   by("image").getContext("2d").drawImage(image, 0, 0);
 }
@@ -74,7 +85,7 @@ function histogram(ordered, stretch) {
   for (const at of [stretch.black, stretch.white]) context.fillRect(Math.min(Math.max((at - low) / span, 0), 1) * (width - 2), 0, 2, height);
 }
 
-/** Where A and B are, and arrows to north and the Sun. */
+/** Frames around A and B. */
 function marks() {
   const canvas = by("marks"), box = by("frame").getBoundingClientRect(), dots = window.devicePixelRatio || 1;
   [canvas.width, canvas.height] = [box.width * dots, box.height * dots];

@@ -59,11 +59,14 @@ function tellGeometry() {
 }
 
 function tellCoarse() {
-  const { cube, planes } = page.sources, side = (s) => `${s.side} × ${s.side}`, said = [];
-  if (cube && cube.side > 1) said.push(`Coarse: each number of the cube here is the mean of ${side(cube)} pixels${page.sources.thermal ? ", of the thermal part too" : ""}.`);
+  const { cube, thermal, planes } = page.sources, cubes = [cube, thermal].filter(Boolean), side = (s) => `${s.side} × ${s.side}`, said = [];
+  const coarse = cubes.filter((of) => of.side > 1), files = coarse.flatMap((of) => (of.file ? [of.file.name] : []));
+  if (coarse.length) said.push(`Coarse: numbers are means of ${coarse.map((of) => `${side(of)} pixels in the ${of.title.toLowerCase()}`).join(", of ")}.`);
   if (planes && planes.side > 1) said.push(`Backplanes: one pixel in ${side(planes)}.`);
-  if (cube && cube.side > 1 && cube.file) said.push(`Drop ${cube.file.name} here for all pixels.`);
-  if (cube && cube.blob) said.push(`Full cube: numbers are read from ${cube.blob.name}.`);
+  if (planes && cubes.some((of) => planes.side > of.side)) said.push("Pixels of finer images count as sky where they are 0 or without data.");
+  if (files.length) said.push(`Drop ${files.join(" and ")} here for all pixels.`);
+  if (thermal && !canSubtract()) said.push(toSubtract());
+  for (const of of cubes.filter((of) => of.blob)) said.push(`Full ${of.title.toLowerCase()}: numbers are read from ${of.blob.name}.`);
   if (cube && cube.full_scale) said.push(`Values are shares of ${cube.full_scale}.`);
   by("coarse").textContent = said.join(" ");
 }
