@@ -21,7 +21,7 @@ const MOST: f64 = 0.98;
 const APART: f64 = 72.0;
 
 /// A scale of colours that is even to the eye, also without colour: viridis (van der Walt & Smith 2015), at even steps.
-const VIRIDIS: [Colour; 9] = [
+pub(super) const VIRIDIS: [Colour; 9] = [
     [68, 1, 84],
     [71, 44, 122],
     [59, 81, 139],

@@ -16,9 +16,9 @@ use crate::spectral::Band;
 use crate::study::Orientation;
 
 /// Black and white are the radiances that these shares of the covered pixels are below.
-const BLACK_WHITE: (f64, f64) = (0.005, 0.995);
+pub(super) const BLACK_WHITE: [f64; 2] = [0.005, 0.995];
 /// The least power: below the cube root the 8-bit steps become visible in dark areas.
-const LEAST_POWER: f64 = 1.0 / 3.0;
+pub(super) const LEAST_POWER: f64 = 1.0 / 3.0;
 
 /// The band that a grey picture shows: the middle one.
 pub fn grey_band(bands: &[Band]) -> usize {
@@ -178,7 +178,7 @@ impl Stretch {
     fn of(radiance: &[f64], coverage: &[f64]) -> Option<Self> {
         let mut covered: Vec<f64> = radiance.iter().zip(coverage).filter(|(_, c)| **c > 0.0).map(|(l, _)| *l).collect();
         let last = covered.len().checked_sub(1)?;
-        let [black, median, white] = [BLACK_WHITE.0, 0.5, BLACK_WHITE.1].map(|share| {
+        let [black, median, white] = [BLACK_WHITE[0], 0.5, BLACK_WHITE[1]].map(|share| {
             let place = whole((share * last as f64).round());
             *covered.select_nth_unstable_by(place, f64::total_cmp).1
         });

@@ -13,16 +13,18 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::base64::base64;
+use super::coverage_map::VIRIDIS;
 use super::drawing::escaped;
 use super::folder::Staged;
 use super::input;
+use super::quicklook::{BLACK_WHITE, LEAST_POWER};
 use crate::error::{Error, Result};
 
-pub use self::stack::{Cells, Stack, side};
+pub use self::stack::{Cells, Layer, Stack};
 
 /// Larger pictures are left out, bytes.
 const MOST_OF_A_PICTURE: u64 = 16 << 20;
-/// What a text is cut after, bytes.
+/// Larger texts are left out, bytes.
 const MOST_OF_A_TEXT: u64 = 4 << 20;
 
 const SCRIPT: [&str; 10] = [
@@ -59,38 +61,45 @@ impl Page {
         Page { title: title.into(), kind, ..Page::default() }
     }
 
-    /// Adds a PNG as it is.
+    /// Adds a PNG as it is; says so if it is too large.
     ///
     /// # Errors
     /// [`Error::Io`].
     pub fn picture(&mut self, title: &str, path: &Path) -> Result<()> {
-        let there = std::fs::metadata(path).map_err(|e| Error::io(path, "reading", e))?.len();
-        if there > MOST_OF_A_PICTURE {
-            self.warn(format!("{}: too large for this page", path.display()));
-            return Ok(());
+        if self.fits(path, MOST_OF_A_PICTURE)? {
+            let bytes = input::bytes(path, MOST_OF_A_PICTURE)?;
+            self.pictures.push(json!({ "title": title, "png": base64(&bytes) }));
         }
-        let bytes = input::bytes(path, MOST_OF_A_PICTURE)?;
-        self.pictures.push(json!({ "title": title, "png": base64(&bytes) }));
         Ok(())
+    }
+
+    /// Whether a file has at most so many bytes; says so if not.
+    fn fits(&mut self, path: &Path, most: u64) -> Result<bool> {
+        let there = std::fs::metadata(path).map_err(|e| Error::io(path, "reading", e))?.len();
+        if there > most {
+            self.warn(format!("{}: of {there} bytes, too large for this page, which takes {most}", path.display()));
+        }
+        Ok(there <= most)
     }
 
     /// Adds the numbers of an image.
     pub fn stack(&mut self, stack: Stack) {
-        let Stack { about, blocks } = stack;
+        let Stack { mut about, blocks, .. } = stack;
         let first = self.blocks.len();
         self.blocks.extend(blocks);
-        let mut about = about;
         about["first_block"] = json!(first);
         self.stacks.push(about);
     }
 
-    /// Adds a text of a file.
+    /// Adds a text of a file; says so if it is too large.
     ///
     /// # Errors
-    /// [`Error::Io`], [`Error::Invalid`] for one that is too long.
+    /// [`Error::Io`], [`Error::Syntax`] for one that is no text.
     pub fn text(&mut self, title: &str, path: &Path) -> Result<()> {
-        let (text, _) = input::text(path, MOST_OF_A_TEXT)?;
-        self.texts.push(json!({ "title": title, "text": text }));
+        if self.fits(path, MOST_OF_A_TEXT)? {
+            let (text, _) = input::text(path, MOST_OF_A_TEXT)?;
+            self.texts.push(json!({ "title": title, "text": text }));
+        }
         Ok(())
     }
 
@@ -104,7 +113,7 @@ impl Page {
         self.kind
     }
 
-    /// Adds a curve over wavelengths, um.
+    /// Adds a curve over wavelengths, um, of values in the unit of its file: of a spectrum mostly 1; NaN where it has none.
     pub fn curve(&mut self, name: &str, wavelength_um: &[f64], values: &[f64]) {
         self.spectra.push(json!({ "name": name, "um": wavelength_um, "values": values }));
     }
@@ -136,7 +145,8 @@ impl Page {
         let Page { title, kind, pictures, stacks, texts, warnings, report, spectra, tables, blocks } = self;
         let about = json!({
             "mmxrt": env!("CARGO_PKG_VERSION"), "title": title, "kind": kind, "pictures": pictures, "stacks": stacks, "texts": texts,
-            "warnings": warnings, "report": report, "spectra": spectra, "tables": tables,
+            "warnings": warnings, "report": report, "spectra": spectra, "tables": tables, "viridis": VIRIDIS,
+            "look": { "black_white": BLACK_WHITE, "least_power": LEAST_POWER },
         });
         // No `<` is left that could end the element.
         let about = about.to_string().replace('<', "\\u003c");

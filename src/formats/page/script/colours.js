@@ -1,22 +1,18 @@
-// How numbers become colours: as the quick looks of mmxrt do.
-
-const VIRIDIS = [[68, 1, 84], [72, 40, 120], [62, 74, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [109, 205, 89], [180, 222, 44], [253, 231, 37]];
+// How numbers become grey, as those of the quick looks do, or colours, as those of the maps of coverage do.
 
 function colour(map, grey) {
   if (map === "grey") return [grey, grey, grey];
-  const at = grey / 255 * (VIRIDIS.length - 1), k = Math.min(Math.floor(at), VIRIDIS.length - 2);
-  return VIRIDIS[k].map((from, c) => Math.round(from + (at - k) * (VIRIDIS[k + 1][c] - from)));
+  const { viridis } = page, at = grey / 255 * (viridis.length - 1), k = Math.min(Math.floor(at), viridis.length - 2);
+  return viridis[k].map((from, c) => Math.round(from + (at - k) * (viridis[k + 1][c] - from)));
 }
-
-const SHARES = { look: [0.005, 0.995], p2: [0.02, 0.98], all: [0, 1] };
 
 /** Black, white and the power of a stretch; of numbers that ascend. */
 function stretchOf(mode, ordered, own) {
   if (mode === "own" && own) return { ...own, power: 1 };
   if (!ordered.length) return null;
-  const at = (share) => ordered[Math.round(share * (ordered.length - 1))], [low, high] = SHARES[mode] || SHARES.look;
+  const at = (share) => ordered[Math.round(share * (ordered.length - 1))], { look } = page, [low, high] = { p2: [0.02, 0.98], all: [0, 1] }[mode] || look.black_white;
   const black = at(low), white = at(high), share = (at(0.5) - black) / (white - black);
-  const power = mode === "look" && share < 0.5 ? Math.max(Math.log(0.5) / Math.log(share), 1 / 3) : 1;
+  const power = mode === "look" && share < 0.5 ? Math.max(Math.log(0.5) / Math.log(share), look.least_power) : 1;
   return { black, white, power };
 }
 
