@@ -12,7 +12,7 @@ use super::console::Console;
 pub(crate) struct Arguments {
     /// A product folder, the folder of a campaign or a chart, an image of any format that is read, or spectra (.sli, .csv)
     input: PathBuf,
-    /// The page; by default beside the input, and called as it, with .html
+    /// The page; by default beside the input, and named after it, with .html
     #[arg(long, short, value_name = "PAGE.html")]
     output: Option<PathBuf>,
     /// Megabytes of numbers in the page: images that take more are reduced, and the page says so. As text they take up to a third more
@@ -28,8 +28,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     if let Some(target) = &arguments.output {
         super::settle(target, console)?;
     }
-    let budget = (arguments.budget * 1_000_000, arguments.force);
-    let shown = job::view(&arguments.input, arguments.output.as_deref(), budget, &|progress| console.watch(progress))?;
+    let order = job::PageOrder {
+        target: arguments.output.as_deref(),
+        bytes: arguments.budget * 1_000_000,
+        replace: arguments.force,
+    };
+    let shown = job::view(&arguments.input, &order, &|progress| console.watch(progress))?;
     let reduced: Vec<String> = shown
         .sides
         .iter()

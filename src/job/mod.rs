@@ -46,4 +46,4 @@ pub use plan::decide;
 pub use simulate::simulate;
 pub use solve::{TableFiles, Towards, radiance_path, solve};
 pub use surface::SurfaceFacts;
-pub use view::{Shown, view};
+pub use view::{PageOrder, Shown, view};

@@ -5,10 +5,21 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Location, Problem, Result};
 use crate::formats::folder::Staged;
 use crate::formats::manifest_json::{EntryState, Manifest};
-use crate::formats::page::{Cells, Page, Stack, side};
+use crate::formats::page::{Cells, Layer, Page, Stack};
 use crate::formats::raster::Raster;
 use crate::formats::{product_image, registry, report_json, spectra};
 use crate::progress::Watch;
+
+/// What page to write.
+#[derive(Debug, Clone, Copy)]
+pub struct PageOrder<'a> {
+    /// The page; without one it is beside its input, and named after it, with `.html`.
+    pub target: Option<&'a Path>,
+    /// Images whose numbers take more are reduced, bytes.
+    pub bytes: u64,
+    /// Whether it may replace a page that is there.
+    pub replace: bool,
+}
 
 /// What has been written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,57 +41,52 @@ const CAMPAIGN: [(&str, &str); 2] = [
 ];
 const CHART: [(&str, &str); 2] = [("Error against time", "chart"), ("Where methods fail", "stability")];
 
-/// Writes the page of a product, a campaign's or chart's folder, an image or spectra. Without a target it is called as the input, with `.html`, and is beside it.
-/// Images whose numbers take more than `bytes` are reduced.
+/// A page that is being filled.
+struct Draft<'a> {
+    page: Page,
+    sides: Vec<(String, usize)>,
+    staged: &'a Staged,
+    watch: Watch<'a>,
+}
+
+/// Writes the page of a product, a campaign's or chart's folder, an image or spectra.
 ///
 /// # Errors
-/// [`Error::Invalid`] for what has no page, and a page that is there unless `replace` is set; what is wrong with the input; [`Error::Interrupted`].
-pub fn view(input: &Path, target: Option<&Path>, (bytes, replace): (u64, bool), watch: Watch<'_>) -> Result<Shown> {
+/// [`Error::Invalid`] for what has no page, and a page that is there unless it may be replaced; what is wrong with the input; [`Error::Interrupted`].
+pub fn view(input: &Path, order: &PageOrder<'_>, watch: Watch<'_>) -> Result<Shown> {
     input.metadata().map_err(|e| Error::io(input, "reading", e))?;
-    let target = target.map_or_else(|| beside(input), Path::to_owned);
-    let staged = Staged::file(&target, replace)?;
-    let mut sides = Vec::new();
+    let target = order.target.map_or_else(|| beside(input), Path::to_owned);
+    let staged = Staged::file(&target, order.replace)?;
     let name = input.canonicalize().unwrap_or_else(|_| input.to_owned());
     let name = name.file_name().map_or_else(|| input.display().to_string(), |name| name.to_string_lossy().into_owned());
     let cube = product_image(input, "cube");
     let there = |name: &str| input.join(name).is_file();
-    let mut page;
+    let begin = |kind| Draft { page: Page::new(name.as_str(), kind), sides: Vec::new(), staged: &staged, watch };
+    let mut draft;
     if cube.exists() {
-        page = Page::new(name, "product");
-        product(&mut page, (input, &cube), (bytes, &mut sides), &staged, watch)?;
+        draft = begin("product");
+        draft.product(input, &cube, order.bytes)?;
     } else if there("manifest.json") || CAMPAIGN.iter().any(|(_, name)| there(name)) {
-        page = Page::new(name, "campaign");
-        let manifest = input.join("manifest.json");
-        staged.spares(
-            CAMPAIGN
-                .iter()
-                .map(|(_, name)| input.join(name))
-                .chain([manifest])
-                .collect::<Vec<_>>()
-                .iter()
-                .map(PathBuf::as_path),
-        )?;
-        campaign(&mut page, input)?;
+        draft = begin("campaign");
+        draft.campaign(input)?;
     } else if CHART.iter().any(|(_, name)| there(&format!("{name}.png"))) {
-        page = Page::new(name, "chart");
-        let files =
-            CHART.iter().flat_map(|(_, name)| ["png", "csv"].map(|ending| input.join(format!("{name}.{ending}"))));
-        staged.spares(files.collect::<Vec<_>>().iter().map(PathBuf::as_path))?;
-        chart(&mut page, input)?;
+        draft = begin("chart");
+        draft.chart(input)?;
     } else {
         match registry::of_input(input) {
             Ok((format, _)) if format.is_spectral() && registry::image(input).is_err() => {
-                page = Page::new(name, "spectra");
-                staged.spares([input])?;
-                curves(&mut page, input)?;
+                draft = begin("spectra");
+                draft.curves(input)?;
             }
             found => {
                 let mut raster = registry::image(input).map_err(|e| refused(input, &found, e))?;
-                page = Page::new(name, "image");
-                add(&mut page, &mut raster, ("cube", "Image", Cells::Mean, bytes), &mut sides, &staged, watch)?;
+                draft = begin("image");
+                let layer = Layer { key: "cube", title: "Image", cells: Cells::Mean, bytes: order.bytes };
+                draft.add(&mut raster, &layer)?;
             }
         }
     }
+    let Draft { page, sides, .. } = draft;
     if page.is_empty() {
         return Err(nothing(input));
     }
@@ -115,127 +121,135 @@ fn nothing(input: &Path) -> Error {
     Error::Invalid(vec![problem.with_help(help)])
 }
 
-/// Adds an image, reduced to a budget.
-fn add(
-    page: &mut Page,
-    raster: &mut Raster,
-    (key, title, cells, bytes): (&str, &str, Cells, u64),
-    sides: &mut Vec<(String, usize)>,
-    staged: &Staged,
-    watch: Watch<'_>,
-) -> Result<()> {
-    staged.spares(raster.files().iter().map(PathBuf::as_path))?;
-    let side = side([raster.columns, raster.rows], raster.bands.len(), bytes);
-    page.stack(Stack::read(raster, (key, title), (cells, side), watch)?);
-    raster.report.notes.iter().for_each(|note| page.warn(note.to_string()));
-    sides.push((key.to_owned(), side));
-    Ok(())
-}
+impl Draft<'_> {
+    /// Adds an image, reduced to what it may take.
+    fn add(&mut self, raster: &mut Raster, layer: &Layer) -> Result<()> {
+        self.spares(raster.files())?;
+        let stack = Stack::read(raster, layer, self.watch)?;
+        self.sides.push((layer.key.to_owned(), stack.side));
+        self.page.stack(stack);
+        raster.report.notes.iter().for_each(|note| self.page.warn(note.to_string()));
+        Ok(())
+    }
 
-fn product(
-    page: &mut Page,
-    (folder, cube): (&Path, &Path),
-    (bytes, sides): (u64, &mut Vec<(String, usize)>),
-    staged: &Staged,
-    watch: Watch<'_>,
-) -> Result<()> {
-    for (title, name) in [("Quick look", "quicklook.png"), ("Quick look, colours", "quicklook_rgb.png")] {
-        let path = folder.join(name);
-        if path.is_file() {
-            staged.spares([path.as_path()])?;
-            page.picture(title, &path)?;
-        }
+    /// Refuses to write the page over what is read.
+    fn spares<P: AsRef<Path>>(&self, files: impl IntoIterator<Item = P>) -> Result<()> {
+        let files: Vec<P> = files.into_iter().collect();
+        self.staged.spares(files.iter().map(AsRef::as_ref))
     }
-    let report = folder.join("report.json");
-    staged.spares([report.as_path()])?;
-    match report_json::read::<serde_json::Value>(&report) {
-        Ok(report) => page.report(report),
-        Err(_) if !report.is_file() => {
-            page.warn("report.json is not there: names of materials, directions and warnings are not known")
-        }
-        Err(e) => page.warn(format!("report.json cannot be read: {e}")),
-    }
-    let thermal = product_image(folder, "thermal");
-    // Half for the cube and its thermal part, half for the planes.
-    let half = bytes / 2;
-    let each = if thermal.exists() { half / 2 } else { half };
-    let mut image = registry::image(cube)?;
-    let size = [image.columns, image.rows];
-    add(page, &mut image, ("cube", "Cube", Cells::Mean, each), sides, staged, watch)?;
-    drop(image);
-    let fits = |raster: &Raster, page: &mut Page| {
-        let fits = [raster.columns, raster.rows] == size;
-        if !fits {
-            page.warn(format!("{}: is not as large as the cube, and not shown", raster.path.display()));
-        }
-        fits
-    };
-    if thermal.exists() {
-        let mut raster = registry::image(&thermal)?;
-        if fits(&raster, page) {
-            add(page, &mut raster, ("thermal", "Thermal part", Cells::Mean, each), sides, staged, watch)?;
-        }
-    }
-    let backplanes = folder.join("backplanes.img");
-    if backplanes.is_file() {
-        let mut raster = registry::image(&backplanes)?;
-        if fits(&raster, page) {
-            add(page, &mut raster, ("planes", "Backplanes", Cells::Middle, half), sides, staged, watch)?;
-        }
-    } else {
-        page.warn("backplanes.img is not there: positions, angles and what is sky are not known");
-    }
-    Ok(())
-}
 
-fn campaign(page: &mut Page, folder: &Path) -> Result<()> {
-    for (title, name) in CAMPAIGN {
-        let path = folder.join(name);
-        if path.is_file() {
-            page.picture(title, &path)?;
+    fn product(&mut self, folder: &Path, cube: &Path, bytes: u64) -> Result<()> {
+        for (title, name) in [("Quick look", "quicklook.png"), ("Quick look, colours", "quicklook_rgb.png")] {
+            let path = folder.join(name);
+            if path.is_file() {
+                self.spares([&path])?;
+                self.page.picture(title, &path)?;
+            }
         }
+        let report = folder.join("report.json");
+        self.spares([&report])?;
+        match report_json::read::<serde_json::Value>(&report) {
+            Ok(report) => self.page.report(report),
+            Err(_) if !report.is_file() => {
+                self.page.warn("report.json is not there: names of materials, directions and warnings are not known")
+            }
+            Err(e) => self.page.warn(format!("report.json cannot be read: {e}")),
+        }
+        let thermal = product_image(folder, "thermal");
+        // Half for the cube and its thermal part, half for the planes.
+        let half = bytes / 2;
+        let each = if thermal.exists() { half / 2 } else { half };
+        let mut image = registry::image(cube)?;
+        let size = [image.columns, image.rows];
+        let bands = image.bands.len();
+        self.add(&mut image, &Layer { key: "cube", title: "Cube", cells: Cells::Mean, bytes: each })?;
+        drop(image);
+        if thermal.exists() {
+            let mut raster = registry::image(&thermal)?;
+            // Band by band it is subtracted.
+            if raster.bands.len() != bands {
+                let path = raster.path.display();
+                let there = raster.bands.len();
+                self.page.warn(format!("{path}: has {there} bands, the cube has {bands}; it is not shown"));
+            } else if self.is_of_size(&raster, size) {
+                let layer = Layer { key: "thermal", title: "Thermal part", cells: Cells::Mean, bytes: each };
+                self.add(&mut raster, &layer)?;
+            }
+        }
+        let backplanes = folder.join("backplanes.img");
+        if backplanes.is_file() {
+            let mut raster = registry::image(&backplanes)?;
+            if self.is_of_size(&raster, size) {
+                let layer = Layer { key: "planes", title: "Backplanes", cells: Cells::Middle, bytes: half };
+                self.add(&mut raster, &layer)?;
+            }
+        } else {
+            self.page.warn("backplanes.img is not there: positions, angles and what is sky are not known");
+        }
+        Ok(())
     }
-    let manifest = folder.join("manifest.json");
-    if !manifest.is_file() {
-        page.warn("manifest.json is not there: not all acquisitions have been tried yet");
-        return Ok(());
-    }
-    let manifest: Manifest = report_json::read(&manifest)?;
-    let rows = manifest.acquisitions.iter().map(|entry| {
-        let state = match entry.state {
-            EntryState::Done => "done".to_owned(),
-            EntryState::Failed => format!("failed: {}", entry.errors.join("; ")),
-        };
-        let warned = entry.first_warning.clone().unwrap_or_default();
-        vec![entry.name.clone(), entry.epoch_utc.clone(), state, entry.warnings.to_string(), warned]
-    });
-    let head = ["acquisition", "begins, UTC", "state", "warnings", "the first of them"];
-    page.table("Acquisitions", &head, rows.collect());
-    Ok(())
-}
 
-fn chart(page: &mut Page, folder: &Path) -> Result<()> {
-    for (title, name) in CHART {
-        let [png, csv] = ["png", "csv"].map(|ending| folder.join(format!("{name}.{ending}")));
-        if png.is_file() {
-            page.picture(title, &png)?;
+    /// Whether an image is as large as the cube; says so if not.
+    fn is_of_size(&mut self, raster: &Raster, size: [usize; 2]) -> bool {
+        let is = [raster.columns, raster.rows] == size;
+        if !is {
+            self.page.warn(format!("{}: is not as large as the cube, and not shown", raster.path.display()));
         }
-        if csv.is_file() {
-            page.text(&format!("{name}.csv"), &csv)?;
-        }
+        is
     }
-    Ok(())
-}
 
-fn curves(page: &mut Page, path: &Path) -> Result<()> {
-    let (libraries, report) = spectra::read(path)?;
-    for library in &libraries {
-        for column in &library.columns {
-            let name = [library.name.as_str(), column.name.as_str()];
-            let name = name.iter().filter(|name| !name.is_empty()).copied().collect::<Vec<_>>().join(": ");
-            page.curve(&name, &library.wavelength_um, &column.values);
+    fn campaign(&mut self, folder: &Path) -> Result<()> {
+        let manifest = folder.join("manifest.json");
+        let pictures = CAMPAIGN.map(|(title, name)| (title, folder.join(name)));
+        self.spares(pictures.iter().map(|(_, path)| path).chain([&manifest]))?;
+        for (title, path) in &pictures {
+            if path.is_file() {
+                self.page.picture(title, path)?;
+            }
         }
+        if !manifest.is_file() {
+            self.page.warn("manifest.json is not there: not all acquisitions have been tried yet");
+            return Ok(());
+        }
+        let manifest: Manifest = report_json::read(&manifest)?;
+        let rows = manifest.acquisitions.iter().map(|entry| {
+            let state = match entry.state {
+                EntryState::Done => "done".to_owned(),
+                EntryState::Failed => format!("failed: {}", entry.errors.join("; ")),
+            };
+            let warned = entry.first_warning.clone().unwrap_or_default();
+            vec![entry.name.clone(), entry.epoch_utc.clone(), state, entry.warnings.to_string(), warned]
+        });
+        let head = ["acquisition", "begins, UTC", "state", "warnings", "the first of them"];
+        self.page.table("Acquisitions", &head, rows.collect());
+        Ok(())
     }
-    report.notes.iter().for_each(|note| page.warn(note.to_string()));
-    Ok(())
+
+    fn chart(&mut self, folder: &Path) -> Result<()> {
+        for (title, name) in CHART {
+            let [png, csv] = ["png", "csv"].map(|ending| folder.join(format!("{name}.{ending}")));
+            self.spares([&png, &csv])?;
+            if png.is_file() {
+                self.page.picture(title, &png)?;
+            }
+            if csv.is_file() {
+                self.page.text(&format!("{name}.csv"), &csv)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn curves(&mut self, path: &Path) -> Result<()> {
+        self.spares([path])?;
+        let (libraries, report) = spectra::read(path)?;
+        for library in &libraries {
+            for column in &library.columns {
+                let name = [library.name.as_str(), column.name.as_str()];
+                let name = name.iter().filter(|name| !name.is_empty()).copied().collect::<Vec<_>>().join(": ");
+                self.page.curve(&name, &library.wavelength_um, &column.values);
+            }
+        }
+        report.notes.iter().for_each(|note| self.page.warn(note.to_string()));
+        Ok(())
+    }
 }

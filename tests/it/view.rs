@@ -151,6 +151,11 @@ fn the_page_holds_the_numbers_of_the_files() {
     assert_eq!(about["unit"], "W m-2 sr-1 um-1");
     assert_eq!(about["file"]["interleave"], "bsq");
     assert!(page.about["warnings"][0].as_str().unwrap().contains("report.json is not there"));
+    // What the script draws with: viridis from end to end, and what the documentation says of quick looks.
+    let (viridis, look) = (page.about["viridis"].as_array().unwrap(), &page.about["look"]);
+    assert_eq!((&viridis[0], &viridis[viridis.len() - 1]), (&[68, 1, 84].into(), &[253, 231, 37].into()));
+    assert_eq!(look["black_white"], serde_json::json!([0.005, 0.995]));
+    assert_eq!(look["least_power"].as_f64(), Some(1.0 / 3.0));
 }
 
 #[test]
@@ -175,6 +180,79 @@ fn what_is_too_large_is_averaged_within_the_budget() {
         assert_eq!(found[band][0], mean(0..3, 0..3));
         assert_eq!(found[band][17 * 14 - 1], mean(39..41, 48..50));
     }
+}
+
+/// Backplanes are reduced by themselves: those of this product are, and its cube is not.
+#[test]
+fn reduced_backplanes_have_the_pixel_in_the_middle_of_each_cell() {
+    let scratch = Scratch::new();
+    folder(&scratch, "p");
+    // Of 1 MB half is for 12 planes: of 201 x 199 f32 they take 1.9 MB, of 101 x 100 485 kB. A quarter is for the cube, 160 kB.
+    let plane = |band: usize| (0..201 * 199).map(|i| (i + 100_000 * band) as f64).collect::<Vec<f64>>();
+    let planes: Vec<Vec<f64>> = (0..12).map(plane).collect();
+    image(&scratch, "p/cube", [201, 199], &planes[..1], "");
+    image(&scratch, "p/thermal", [201, 199], &planes[..1], "");
+    image(&scratch, "p/backplanes", [201, 199], &planes, "data type = 5");
+    let page = viewed(&scratch, "p", &["--budget", "1"]);
+    let sides = ["cube", "thermal", "planes"].map(|key| page.stack(key).unwrap()["side"].as_u64());
+    assert_eq!(sides, [Some(1), Some(1), Some(2)]);
+    let found = page.numbers("planes");
+    for (band, cells) in found.iter().enumerate() {
+        // Lines 0 and 1, samples 0 and 1: line 1, sample 1. Of sample 200 there is one, and of line 198.
+        let [first, right, last] = [202.0, 401.0, 39_998.0].map(|i| i + 1e5 * band as f64);
+        assert_eq!((cells.len(), cells[0], cells[100], cells[101 * 100 - 1]), (10_100, first, right, last));
+    }
+}
+
+#[test]
+fn a_thermal_part_of_other_bands_is_not_shown() {
+    let scratch = Scratch::new();
+    folder(&scratch, "p");
+    image(&scratch, "p/cube", [2, 1], &[vec![1.0, 2.0], vec![3.0, 4.0]], "");
+    image(&scratch, "p/thermal", [2, 1], &[vec![1.0, 2.0]], "");
+    let page = viewed(&scratch, "p", &[]);
+    assert!(page.stack("thermal").is_none());
+    let warnings = page.about["warnings"].as_array().unwrap();
+    assert!(
+        warnings.iter().any(|said| said.as_str().unwrap().ends_with("has 1 bands, the cube has 2; it is not shown"))
+    );
+}
+
+#[test]
+fn numbers_that_mean_no_data_are_none_in_whatever_precision() {
+    let scratch = Scratch::new();
+    // Neither -9999.9 nor the least f32, in so few digits, is an f32.
+    for ignored in ["-9999.9", "-3.402823e38", "0.1"] {
+        let value: f64 = ignored.parse().unwrap();
+        image(&scratch, "flat", [3, 1], &[vec![1.0, value, 2.0]], &format!("data ignore value = {ignored}"));
+        let page = scratch.argument("flat.html");
+        assert_eq!(run(&["view", &scratch.argument("flat.img"), "-o", &page, "--force"]).0, 0);
+        let page = Page::read(&scratch.join("flat.html"));
+        let found = page.numbers("cube");
+        assert!(found[0][0] == 1.0 && found[0][1].is_nan() && found[0][2] == 2.0, "{ignored}: {found:?}");
+        // For the script, which reads the whole file, and rounds it.
+        assert_eq!(page.stack("cube").unwrap()["file"]["ignore"].as_f64(), Some(value));
+    }
+}
+
+#[test]
+fn the_budget_holds_for_numbers_of_double_precision() {
+    let scratch = Scratch::new();
+    // Of 300 x 400, two bands: 0.96 MB in single precision, 1.92 MB in double precision, 0.48 MB of 150 x 200 cells.
+    let band = |value: f64| vec![value; 300 * 400];
+    let of_pixels = |name: &str| {
+        let page = viewed(&scratch, &format!("{name}.img"), &["--budget", "1"]);
+        let stack = page.stack("cube").unwrap();
+        (stack["side"].as_u64().unwrap(), stack["bytes"].clone(), page.numbers("cube"))
+    };
+    image(&scratch, "double", [300, 400], &[band(1e-300), band(1e-40)], "data type = 5");
+    let (side, bytes, found) = of_pixels("double");
+    assert_eq!((side, bytes, found[0].len()), (2, [8].into(), 150 * 200));
+    assert!((found[0][0] / 1e-300 - 1.0).abs() < 1e-15 && (found[1][0] / 1e-40 - 1.0).abs() < 1e-15);
+    // Subnormal, and still exact in single precision.
+    image(&scratch, "single", [300, 400], &[band(2_f64.powi(-149)), band(1.0)], "");
+    let (side, bytes, found) = of_pixels("single");
+    assert_eq!((side, bytes, found[0][7]), (1, [4].into(), 2_f64.powi(-149)));
 }
 
 #[test]
@@ -275,6 +353,14 @@ fn folders_and_curves_have_pages_and_the_rest_is_refused() {
     let page = viewed(&scratch, "chart", &[]);
     assert_eq!(bytes(page.about["pictures"][0]["png"].as_str().unwrap()), png);
     assert_eq!(page.about["texts"][0]["text"], "method,cpu_s\nexact,1\n");
+    // A table that is too long is left out, and the rest is shown.
+    scratch.write("chart/chart.csv", vec![b'1'; (4 << 20) + 1]);
+    let page = viewed(&scratch, "chart", &["--force"]);
+    assert_eq!(
+        (page.about["texts"].as_array().unwrap().len(), page.about["pictures"].as_array().unwrap().len()),
+        (0, 1)
+    );
+    assert!(page.about["warnings"][0].as_str().unwrap().contains("chart.csv: of 4194305 bytes, too large"));
     scratch.write("notes.md", "nothing");
     folder(&scratch, "empty");
     for name in ["notes.md", "empty", "not_there"] {

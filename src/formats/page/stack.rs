@@ -23,16 +23,38 @@ pub enum Cells {
     Middle,
 }
 
+/// What an image is to a page.
+#[derive(Debug, Clone, Copy)]
+pub struct Layer {
+    /// By what the page's script knows it: the `cube`, its `thermal` part, or `planes`.
+    pub key: &'static str,
+    /// What it is called.
+    pub title: &'static str,
+    /// What stands for cells, if not all pixels fit.
+    pub cells: Cells,
+    /// Its numbers may take so much, before they are compressed, bytes.
+    pub bytes: u64,
+}
+
 /// The numbers of an image, for a page.
 #[derive(Debug)]
 pub struct Stack {
+    /// Side of its cells, pixels.
+    pub side: usize,
     pub(super) about: Value,
     pub(super) blocks: Vec<String>,
 }
 
-/// Side of the least cell, pixels, at which the numbers fit.
-pub fn side([columns, rows]: [usize; 2], bands: usize, bytes: u64) -> usize {
-    let size = |side: usize| (columns.div_ceil(side) * rows.div_ceil(side)) as u64 * bands as u64 * 4;
+/// Some bands: how many numbers, of so many bytes each, and their text.
+struct Block {
+    count: usize,
+    each: usize,
+    text: String,
+}
+
+/// Side of the least cell, pixels, at which numbers of so many bytes `each` fit.
+fn side([columns, rows]: [usize; 2], bands: usize, each: u64, bytes: u64) -> usize {
+    let size = |side: usize| (columns.div_ceil(side) * rows.div_ceil(side)) as u64 * bands as u64 * each;
     let most = columns.max(rows).max(1);
     // Sizes fall as sides grow.
     let (mut low, mut high) = (1, most);
@@ -48,16 +70,24 @@ impl Stack {
     ///
     /// # Errors
     /// Those of [`Raster::read`]; [`crate::Error::Interrupted`] if `watch` asks to stop.
-    pub fn read(
-        raster: &mut Raster,
-        (key, title): (&str, &str),
-        (cells, side): (Cells, usize),
-        watch: Watch<'_>,
-    ) -> Result<Self> {
+    pub fn read(raster: &mut Raster, layer: &Layer, watch: Watch<'_>) -> Result<Self> {
+        let side = |each| side([raster.columns, raster.rows], raster.bands.len(), each, layer.bytes);
+        let (single, double) = (side(4), side(8));
+        let (stack, bytes) = Self::of_cells(raster, layer, single, watch)?;
+        // Which numbers need double precision is known when they are read. Few images have so many of them.
+        if bytes <= layer.bytes || double == single {
+            return Ok(stack);
+        }
+        Ok(Self::of_cells(raster, layer, double, watch)?.0)
+    }
+
+    /// Its cells, and the size of their numbers, bytes.
+    fn of_cells(raster: &mut Raster, layer: &Layer, side: usize, watch: Watch<'_>) -> Result<(Self, u64)> {
+        let Layer { key, title, cells, .. } = *layer;
         let size = [raster.columns, raster.rows];
         let count = raster.bands.len();
         let together = (BLOCK_BYTES / 4 / (size[0].div_ceil(side) * size[1].div_ceil(side))).max(1);
-        let (mut values, mut blocks, mut starts) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut values, mut blocks, mut starts) = (Vec::new(), Vec::<Block>::new(), Vec::new());
         let mut waiting: Vec<Vec<f64>> = Vec::new();
         for band in 0..count {
             tell(watch, "reading", band as u64, count as u64)?;
@@ -73,8 +103,8 @@ impl Stack {
             let is_whole = (band + 1) % together == 0 || band + 1 == count;
             if band + 1 == count || (is_whole && waiting.len() == AT_ONCE) {
                 blocks.par_extend(std::mem::take(&mut waiting).into_par_iter().map(|block| {
-                    let bytes = if block::is_double(&block) { 8 } else { 4 };
-                    (bytes, block::packed(&block, bytes))
+                    let each = if block::is_double(&block) { 8 } else { 4 };
+                    Block { count: block.len(), each, text: block::packed(&block, each) }
                 }));
             }
         }
@@ -87,10 +117,11 @@ impl Stack {
             "cells": match cells { Cells::Mean => "mean", Cells::Middle => "middle" },
             "names": of(|band| json!(band.name)), "um": of(|band| json!(band.centre_um)), "fwhm_um": of(|band| json!(band.fwhm_um)),
             "data_type": format!("{:?}", raster.data_type), "full_scale": raster.full_scale, "colours": colours,
-            "starts": starts, "bytes": blocks.iter().map(|(bytes, _)| *bytes).collect::<Vec<usize>>(), "file": file(raster),
+            "starts": starts, "bytes": blocks.iter().map(|block| block.each).collect::<Vec<usize>>(), "file": file(raster),
         });
         tell(watch, "reading", count as u64, count as u64)?;
-        Ok(Stack { about, blocks: blocks.into_iter().map(|(_, text)| text).collect() })
+        let bytes = blocks.iter().map(|block| (block.count * block.each) as u64).sum();
+        Ok((Stack { side, about, blocks: blocks.into_iter().map(|block| block.text).collect() }, bytes))
     }
 }
 
@@ -139,9 +170,10 @@ mod tests {
 
     #[test]
     fn cells_are_as_small_as_fits() {
-        assert_eq!(side([256, 256], 300, 78_643_200), 1);
-        assert_eq!(side([256, 256], 300, 78_643_199), 2);
-        assert_eq!((side([1, 1], 5000, 1), side([7, 3], 1, 4)), (1, 7));
+        assert_eq!(side([256, 256], 300, 4, 78_643_200), 1);
+        assert_eq!(side([256, 256], 300, 4, 78_643_199), 2);
+        assert_eq!(side([256, 256], 300, 8, 78_643_200), 2);
+        assert_eq!((side([1, 1], 5000, 4, 1), side([7, 3], 1, 4, 4)), (1, 7));
     }
 
     #[test]
@@ -149,8 +181,16 @@ mod tests {
         let values = [1.0, 3.0, 10.0, 5.0, f64::NAN, f64::NAN];
         let means = reduced(&values, [3, 2], 2, Cells::Mean);
         assert!((means[0], means[1]) == (3.0, 10.0));
-        let middle = reduced(&values, [3, 2], 2, Cells::Middle);
-        assert!(middle[0].is_nan() && middle[1].is_nan());
         assert!(reduced(&[f64::NAN; 4], [2, 2], 2, Cells::Mean)[0].is_nan());
+    }
+
+    #[test]
+    fn a_cell_has_the_number_of_the_pixel_in_its_middle() {
+        // Of two pixels the one to the right, or below, is the middle.
+        let values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        assert_eq!(reduced(&values, [3, 2], 2, Cells::Middle), [5.0, 6.0]);
+        assert_eq!(reduced(&values, [2, 3], 2, Cells::Middle), [4.0, 6.0]);
+        assert_eq!(reduced(&values, [6, 1], 3, Cells::Middle), [2.0, 5.0]);
+        assert_eq!(reduced(&values, [1, 6], 4, Cells::Middle), [3.0, 6.0]);
     }
 }
