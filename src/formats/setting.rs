@@ -49,10 +49,10 @@ const DEEPEST: usize = 64;
 fn steps(text: &str) -> std::result::Result<(Vec<Step>, &str), String> {
     let (mut steps, mut rest) = (Vec::new(), text.trim_start());
     loop {
-        let key = if let Some(quoted) = rest.strip_prefix('"') {
-            let (key, behind) = quoted.split_once('"').ok_or("a quoted name has no end")?;
+        let key = if rest.starts_with('"') {
+            let (key, behind) = quoted(rest)?;
             rest = behind;
-            key.to_owned()
+            key
         } else {
             let is_bare = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
             let end = rest.find(|c| !is_bare(c)).unwrap_or(rest.len());
@@ -79,6 +79,22 @@ fn steps(text: &str) -> std::result::Result<(Vec<Step>, &str), String> {
             return Ok((steps, value));
         }
         rest = rest.strip_prefix('.').ok_or("KEY=VALUE is expected, as in sensor.samples=64")?;
+    }
+}
+
+/// A name in quotes, with the escapes of TOML, and what is behind it.
+fn quoted(text: &str) -> std::result::Result<(String, &str), String> {
+    let mut is_escaped = false;
+    let end = text.bytes().enumerate().skip(1).find(|(_, byte)| {
+        let is_end = *byte == b'"' && !is_escaped;
+        is_escaped = *byte == b'\\' && !is_escaped;
+        is_end
+    });
+    let (end, _) = end.ok_or("a quoted name has no end")?;
+    let (name, behind) = text.split_at(end + 1);
+    match toml::from_str::<toml::Table>(&format!("x = {name}")).ok().and_then(|mut table| table.remove("x")) {
+        Some(toml::Value::String(key)) => Ok((key, behind)),
+        _ => Err(format!("{name} is no name as TOML has it: a backslash is written \\\\, a quotation mark \\\"")),
     }
 }
 
@@ -184,6 +200,7 @@ mod tests {
             (" a.b = 1e-3 ", "a.b", Some(json!(1e-3))),
             ("mesh[0].recipe=dunes", "mesh[0].recipe", Some(json!("dunes"))),
             ("materials.\"blue unit\".reflectance = 0.07", "materials.\"blue unit\".reflectance", Some(json!(0.07))),
+            (r#"materials."a\"b\\c]=".reflectance=1"#, r#"materials."a\"b\\c]=".reflectance"#, Some(json!(1))),
             ("observer.target_m=[1, 2.5, 3]", "observer.target_m", Some(json!([1, 2.5, 3]))),
             ("sun={ distance_au = 1.5 }", "sun", Some(json!({ "distance_au": 1.5 }))),
             ("a=\"7\"", "a", Some(json!("7"))),
@@ -197,7 +214,20 @@ mod tests {
                 (Err(error), _) => panic!("{text}: {error}"),
             }
         }
-        for text in ["", "=1", "a", "a.=1", "a[x]=1", "a[0=1", "\"a=1", "a=1979-05-27"] {
+        for text in [
+            "",
+            "=1",
+            "a",
+            "a.=1",
+            "a[x]=1",
+            "a[0=1",
+            "\"a=1",
+            "\"a\\\"=1",
+            "\"a\\q\"=1",
+            "\"\"=1",
+            "\"\"\"a=1",
+            "a=1979-05-27",
+        ] {
             assert!(text.parse::<Setting>().is_err(), "{text}");
         }
     }
