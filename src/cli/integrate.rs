@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Views {
+pub(crate) enum Views {
     /// The map from the nearest direction
     Nearest,
     /// All maps, weighted by one over the squared angle
@@ -51,14 +51,33 @@ enum Views {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Between {
+pub(crate) enum Between {
     /// A texel has one value
     Nearest,
     /// Values vary linearly from centre to centre
     Bilinear,
 }
 
-fn fill(text: &str) -> std::result::Result<Fill, String> {
+impl From<Views> for ViewChoice {
+    fn from(name: Views) -> Self {
+        match name {
+            Views::Nearest => ViewChoice::Nearest,
+            Views::Interpolated => ViewChoice::Interpolated,
+        }
+    }
+}
+
+impl From<Between> for Texels {
+    fn from(name: Between) -> Self {
+        match name {
+            Between::Nearest => Texels::Nearest,
+            Between::Bilinear => Texels::Bilinear,
+        }
+    }
+}
+
+/// What to do where no map knows the radiance.
+pub(crate) fn fill(text: &str) -> std::result::Result<Fill, String> {
     match text {
         "error" => Ok(Fill::default()),
         "solve" => Ok(Fill::Solved),
@@ -82,14 +101,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let radiance = Radiance {
         table: arguments.table.clone(),
         maps,
-        choice: match arguments.views {
-            Views::Nearest => ViewChoice::Nearest,
-            Views::Interpolated => ViewChoice::Interpolated,
-        },
-        texels: match arguments.texels {
-            Between::Nearest => Texels::Nearest,
-            Between::Bilinear => Texels::Bilinear,
-        },
+        choice: arguments.views.into(),
+        texels: arguments.texels.into(),
         fill: arguments.unknown,
     };
     let written = job::integrate(subject, &radiance, folder, || console.run("integrate"), &watch)?;

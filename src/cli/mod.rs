@@ -8,12 +8,12 @@ mod coregister;
 pub(crate) mod dry_run;
 mod inspect;
 mod instrument;
-mod integrate;
+pub(crate) mod integrate;
 mod landscape;
 mod locate;
 mod new;
 mod plan;
-mod product;
+pub(crate) mod product;
 mod scene;
 mod shell;
 mod simulate;
@@ -101,7 +101,7 @@ enum Command {
 }
 
 /// How a command ended without an error.
-enum Outcome {
+pub(crate) enum Outcome {
     Done,
     /// It ran, but a check failed.
     Failed,

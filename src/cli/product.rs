@@ -48,7 +48,7 @@ pub(crate) struct ProductArguments {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum InterleaveName {
+pub(crate) enum InterleaveName {
     /// Band, line, sample
     Bsq,
     /// Line, band, sample
@@ -59,7 +59,7 @@ enum InterleaveName {
 
 #[derive(Clone, Copy, ValueEnum)]
 #[value(rename_all = "snake_case")]
-enum QuantityName {
+pub(crate) enum QuantityName {
     /// Mean spectral radiance over each band, W m-2 sr-1 um-1
     Radiance,
     /// Radiance in each band: that times its width, W m-2 sr-1
@@ -82,21 +82,13 @@ pub(crate) struct FormatArguments {
 impl FormatArguments {
     /// Those of cubes, and whether OpenEXR is one of them.
     pub(super) fn formats(&self) -> (CubeFormats, bool) {
-        let of = |format: &FormatName| match format {
-            FormatName::Envi => CubeFormat::Envi,
-            FormatName::Pds4 => CubeFormat::Pds4,
-            FormatName::Netcdf => CubeFormat::Netcdf,
-            FormatName::Zarr => CubeFormat::Zarr,
-            FormatName::Fits => CubeFormat::Fits,
-            FormatName::Exr => CubeFormat::Exr,
-        };
-        let formats: Vec<CubeFormat> = self.format.iter().map(of).collect();
+        let formats: Vec<CubeFormat> = self.format.iter().map(|format| (*format).into()).collect();
         (CubeFormats::from(formats.as_slice()), formats.contains(&CubeFormat::Exr))
     }
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum FormatName {
+pub(crate) enum FormatName {
     /// cube.img and cube.hdr
     Envi,
     /// cube.xml: a label of PDS4 for the numbers in cube.img
@@ -112,44 +104,72 @@ enum FormatName {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum PrecisionName {
+pub(crate) enum PrecisionName {
     /// Single precision
     F32,
     /// Double precision
     F64,
 }
 
-impl ProductArguments {
-    /// Creates the folder before anything is computed, since that may fail.
-    pub(super) fn stage(&self, table: bool, split: bool, console: &Console) -> Result<ProductFolder> {
-        super::settle(&self.output, console)?;
-        let interleave = match self.interleave {
+impl From<InterleaveName> for Interleave {
+    fn from(name: InterleaveName) -> Self {
+        match name {
             InterleaveName::Bsq => Interleave::Bsq,
             InterleaveName::Bil => Interleave::Bil,
             InterleaveName::Bip => Interleave::Bip,
-        };
-        let precision = match self.dtype {
-            PrecisionName::F32 => Precision::F32,
-            PrecisionName::F64 => Precision::F64,
-        };
-        let quantity = match self.quantity {
+        }
+    }
+}
+
+impl From<QuantityName> for Quantity {
+    fn from(name: QuantityName) -> Self {
+        match name {
             QuantityName::Radiance => Quantity::Radiance,
             QuantityName::BandRadiance => Quantity::BandRadiance,
             QuantityName::RadianceFactor => Quantity::RadianceFactor,
             QuantityName::ReflectanceFactor => Quantity::ReflectanceFactor,
             QuantityName::BrightnessTemperature => Quantity::BrightnessTemperature,
-        };
+        }
+    }
+}
+
+impl From<FormatName> for CubeFormat {
+    fn from(name: FormatName) -> Self {
+        match name {
+            FormatName::Envi => CubeFormat::Envi,
+            FormatName::Pds4 => CubeFormat::Pds4,
+            FormatName::Netcdf => CubeFormat::Netcdf,
+            FormatName::Zarr => CubeFormat::Zarr,
+            FormatName::Fits => CubeFormat::Fits,
+            FormatName::Exr => CubeFormat::Exr,
+        }
+    }
+}
+
+impl From<PrecisionName> for Precision {
+    fn from(name: PrecisionName) -> Self {
+        match name {
+            PrecisionName::F32 => Precision::F32,
+            PrecisionName::F64 => Precision::F64,
+        }
+    }
+}
+
+impl ProductArguments {
+    /// Creates the folder before anything is computed, since that may fail.
+    pub(super) fn stage(&self, table: bool, split: bool, console: &Console) -> Result<ProductFolder> {
+        super::settle(&self.output, console)?;
         let (formats, exr) = self.format.formats();
         let options = ProductOptions {
-            interleave,
-            precision,
+            interleave: self.interleave.into(),
+            precision: self.dtype.into(),
             formats,
             exr: self.exr || exr,
             footprints: self.footprints,
             planes_of: self.planes_of.iter().map(|band| *band as usize - 1).collect(),
             table,
             split,
-            quantity,
+            quantity: self.quantity.into(),
         };
         ProductFolder::stage(&self.output, self.force, options)
     }

@@ -29,10 +29,8 @@ impl ReadingArguments {
     /// How the scene is read.
     pub(super) fn reading(&self, console: &Console) -> Result<Reading> {
         let cache = self.cache.as_deref().map(Cache::open).transpose()?;
-        if let (Some(folder), Some(false)) = (&self.cache, cache.as_ref().map(Cache::is_writable)) {
-            let folder = folder.display();
-            console
-                .note(&format!("warning: {folder} cannot be written to: what is in it is used, and nothing is added"));
+        if let Some(warning) = cache.as_ref().and_then(Cache::warning) {
+            console.note(&format!("warning: {warning}"));
         }
         Ok(Reading { settings: self.set.clone(), cache })
     }

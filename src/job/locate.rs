@@ -17,6 +17,8 @@ use crate::study::locate::Locator;
 
 /// Most acquisitions listed in a message.
 const TOLD: usize = 8;
+/// Questions answered between two reports of progress: some milliseconds of rays, and at worst a second of epochs of a push-broom.
+const TOGETHER: usize = 256;
 
 /// A scene, or an acquisition of a campaign, by the name of its file.
 #[derive(Debug, Clone, Copy)]
@@ -41,14 +43,19 @@ impl SceneOf<'_> {
     /// The same, with the tree that rays are followed in.
     fn planted(self, watch: Watch<'_>) -> Result<Subject> {
         let subject = self.open(watch)?;
-        tell(watch, "tree", 0, 1)?;
-        match &self.reading.cache {
-            Some(cache) => cache.plant(&subject.scene.body),
-            None => _ = subject.scene.body.ray_tree(),
-        }
-        tell(watch, "tree", 1, 1)?;
+        plant(&subject, self.reading, watch)?;
         Ok(subject)
     }
+}
+
+/// Gives a subject's body its tree of rays, from the cache if there is one.
+fn plant(subject: &Subject, reading: &Reading, watch: Watch<'_>) -> Result<()> {
+    tell(watch, "tree", 0, 1)?;
+    match &reading.cache {
+        Some(cache) => cache.plant(&subject.scene.body),
+        None => _ = subject.scene.body.ray_tree(),
+    }
+    tell(watch, "tree", 1, 1)
 }
 
 /// Writes results as a table.
@@ -62,27 +69,45 @@ pub fn write_answers(target: &Path, replace: bool, text: &str, inputs: &[&Path])
     staged.commit()
 }
 
-/// Answers queries about a scene, or a named acquisition of a campaign, in order, each with its band counted from 0.
+/// Answers queries about a scene, or a named acquisition of a campaign: [`answers`] of what is read.
 ///
 /// # Errors
-/// Those of [`scene_toml::read`], of [`Campaign::open`] and [`Campaign::subject`], and of [`Locator::ground`]; [`Error::Invalid`] for an acquisition
-/// that there is none of; [`Error::Interrupted`] if `watch` asks to stop.
+/// Those of [`scene_toml::read`], of [`Campaign::open`] and [`Campaign::subject`], and of [`answers`]; [`Error::Invalid`] for an acquisition
+/// that there is none of.
 pub fn locate(of: SceneOf<'_>, questions: &[Question], watch: Watch<'_>) -> Result<Vec<(usize, Found)>> {
-    let subject = of.planted(watch)?;
+    answers(&of.open(watch)?, of.reading, questions, watch)
+}
+
+/// Answers queries about what has been read, in order, each with its band counted from 0. The tree of rays is from the cache of `reading`, or kept there.
+///
+/// # Errors
+/// Those of [`Locator::ground`]; [`Error::Interrupted`] if `watch` asks to stop.
+pub fn answers(
+    subject: &Subject,
+    reading: &Reading,
+    questions: &[Question],
+    watch: Watch<'_>,
+) -> Result<Vec<(usize, Found)>> {
+    plant(subject, reading, watch)?;
     let motion = subject.motion.as_ref().map(|(motion, timing)| (motion, *timing));
     let locator = Locator::new(&subject.scene, motion);
     let reference = locator.reference_band();
-    questions
-        .par_iter()
-        .map(|question| {
-            let band = question.band.unwrap_or(reference);
-            let found = match question.asked {
-                Asked::Pixel(place) => Found::Ground(locator.ground(place, band)?),
-                Asked::Ground(point_m) => Found::Place(locator.place(point_m, band)?),
-            };
-            Ok((band, found))
-        })
-        .collect()
+    let answer = |question: &Question| {
+        let band = question.band.unwrap_or(reference);
+        let found = match question.asked {
+            Asked::Pixel(place) => Found::Ground(locator.ground(place, band)?),
+            Asked::Ground(point_m) => Found::Place(locator.place(point_m, band)?),
+        };
+        Ok((band, found))
+    };
+    let total = questions.len() as u64;
+    let mut all = Vec::with_capacity(questions.len());
+    tell(watch, "answers", 0, total)?;
+    for some in questions.chunks(TOGETHER) {
+        all.extend(some.par_iter().map(answer).collect::<Result<Vec<_>>>()?);
+        tell(watch, "answers", all.len() as u64, total)?;
+    }
+    Ok(all)
 }
 
 /// An acquisition of a campaign.

@@ -39,6 +39,11 @@ impl Quantity {
         }
     }
 
+    /// Whether it is radiance times a factor of the band: then spectra that pixels share are converted, and else each number by itself.
+    pub fn is_proportional(self) -> bool {
+        !matches!(self, Quantity::BrightnessTemperature | Quantity::Counts)
+    }
+
     /// In words, as the title of an image.
     pub fn title(self) -> &'static str {
         match self {

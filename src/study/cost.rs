@@ -219,7 +219,17 @@ pub fn memory_bytes(scene: &Scene, has_maps: bool) -> u64 {
 /// # Errors
 /// [`Error::Invalid`] if it all takes more than `memory_bytes`, or the system does not provide what the image takes.
 pub fn has_room(scene: &Scene, has_maps: bool, memory_bytes: Option<u64>) -> Result<()> {
-    let (bytes, of_image) = (self::memory_bytes(scene, has_maps), image_bytes(scene, has_maps));
+    has_room_for(scene, has_maps, 0, memory_bytes)
+}
+
+/// The same with so many bytes more for each pixel in each band: of cubes that are held number by number.
+///
+/// # Errors
+/// As [`has_room`].
+pub fn has_room_for(scene: &Scene, has_maps: bool, number_bytes: u64, memory_bytes: Option<u64>) -> Result<()> {
+    let of_numbers = pixels(scene).saturating_mul(scene.exposure.bands.len() as u64).saturating_mul(number_bytes);
+    let of_image = image_bytes(scene, has_maps).saturating_add(of_numbers);
+    let bytes = self::memory_bytes(scene, has_maps).saturating_add(of_numbers);
     let mut room: Vec<u8> = Vec::new();
     let asked = memory_bytes.is_none_or(|memory| bytes <= memory)
         && usize::try_from(of_image).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());
@@ -238,11 +248,19 @@ pub fn has_room(scene: &Scene, has_maps: bool, memory_bytes: Option<u64>) -> Res
         _ => "which the system does not give: is there a limit (`ulimit -v`)?".to_owned(),
     };
     let (image, rest) = (size(of_image), size(bytes - of_image));
-    let message = format!("{samples} x {lines} pixels take some {image} of memory and the scene {rest}, {there}");
-    let problem = Problem::new(Location::item("sensor"), message).with_help(
-        "fewer samples and lines; a large image can be made of several, each with an observer that looks at its part",
-    );
-    Err(Error::Invalid(vec![problem]))
+    let (in_bands, help) = match (number_bytes, scene.exposure.bands.len()) {
+        (0, _) => (
+            String::new(),
+            "fewer samples and lines; a large image can be made of several, each with an observer that looks at its part",
+        ),
+        (_, bands) => (
+            format!(" in {bands} bands"),
+            "simulate into a folder, which is written a few lines at a time; or fewer samples, lines or bands, or single precision",
+        ),
+    };
+    let message =
+        format!("{samples} x {lines} pixels{in_bands} take some {image} of memory and the scene {rest}, {there}");
+    Err(Error::Invalid(vec![Problem::new(Location::item("sensor"), message).with_help(help)]))
 }
 
 /// About what a product takes on the disk, bytes: `number_bytes` for each pixel and band, the planes, and no more.

@@ -43,7 +43,7 @@ mod warnings;
 
 pub use acquisition::{acquire_by_maps, acquire_by_slabs, acquire_by_table};
 pub use coarser::Coarser;
-pub use cost::{Looks, WITHIN, has_room, memory_bytes, product_bytes};
+pub use cost::{Looks, WITHIN, has_room, has_room_for, memory_bytes, product_bytes};
 pub use dry_run::{DryRun, dry_run};
 pub use effects::{Bound, Decision, Effect, OwnTolerance, StageShare, tell_correction, tell_instrument};
 pub use extremes::Extremes;

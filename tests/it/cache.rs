@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use mmxrt::formats::Cache;
+
 use crate::cli::{mmxrt, run};
 use crate::scratch::Scratch;
 use crate::shapes::sphere;
@@ -254,6 +256,18 @@ fn a_place_is_found_by_a_tree_from_it() {
     scratch.write(&format!("cache/{tree}"), &whole[..whole.len() - 5]);
     assert_eq!(run(&[&ask[..], &["--cache", &cache]].concat()).1, truth);
     assert!(std::fs::read(scratch.join("cache").join(&tree)).unwrap() == whole);
+}
+
+#[test]
+fn threads_that_open_one_at_once_may_all_write() {
+    let scratch = Scratch::new();
+    let folder = scratch.join("cache");
+    std::thread::scope(|scope| {
+        for _ in 0..8 {
+            scope.spawn(|| (0..200).for_each(|_| assert_eq!(Cache::open(&folder).unwrap().warning(), None)));
+        }
+    });
+    assert_eq!(folder.read_dir().unwrap().count(), 0);
 }
 
 #[test]

@@ -1,9 +1,14 @@
 //! `mmxrt inspect SCENE`: a dry run of `simulate`.
 
+use mmxrt::formats::{Subject, scene_toml};
+use mmxrt::job;
+use mmxrt::product::Quantity;
+use mmxrt::progress::unwatched;
+use mmxrt::study::{self, Request};
 use serde_json::Value;
 
 use crate::cli::run;
-use crate::scenes::SITE;
+use crate::scenes::{SITE, SQUARE, SQUARE_OBJ};
 use crate::scratch::Scratch;
 
 /// What is said of a scene, which must begin.
@@ -44,6 +49,30 @@ fn a_product_takes_what_was_said() {
         // Headers, reports and pictures are not counted: some 20 kB.
         assert!(numbers == bytes && (numbers..numbers + 40_000).contains(&all), "{numbers} {all}");
     }
+}
+
+#[test]
+fn cubes_in_memory_need_room_for_each_number() {
+    let scratch = Scratch::new();
+    scratch.write("square.obj", SQUARE_OBJ);
+    let subject = || Subject::from(scene_toml::read(&scratch.write("scene.toml", SQUARE), &unwatched).unwrap());
+    let scene = &subject().scene;
+    let numbers = u64::from(scene.exposure.camera.samples) * u64::from(scene.exposure.camera.lines);
+    let numbers = numbers * scene.exposure.bands.len() as u64;
+    let weights = study::memory_bytes(scene, false);
+    for bytes in [0, 4, 20] {
+        let room = weights + bytes * numbers;
+        study::has_room_for(scene, false, bytes, Some(room)).unwrap();
+        study::has_room_for(scene, false, bytes, Some(room - 1)).unwrap_err();
+    }
+    // 1e15 bytes a number is more than there is anywhere, and u64::MAX more than can be said.
+    for bytes in [1_000_000_000_000_000, u64::MAX] {
+        let error = job::hold(subject(), &Request::default(), Quantity::Radiance, bytes, &unwatched).unwrap_err();
+        let problems = error.problems();
+        assert_eq!(problems[0].at.item.as_deref(), Some("sensor"), "{error}");
+        assert!(problems[0].help.as_ref().is_some_and(|help| help.contains("folder")), "{error}");
+    }
+    job::hold(subject(), &Request::default(), Quantity::Radiance, 8, &unwatched).unwrap();
 }
 
 #[test]

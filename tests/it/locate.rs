@@ -1,13 +1,20 @@
 //! Where pixels look, and where points lie: there and back over whole images, of every kind of sensor.
 
+use std::sync::Mutex;
+
 use glam::DVec3;
 use mmxrt::flight::{Jitter, Pointing, Scan};
+use mmxrt::formats::points_csv::{Asked, Found, Question};
+use mmxrt::formats::{Reading, Subject, scene_toml};
 use mmxrt::geometry::Mesh;
+use mmxrt::progress::{Progress, unwatched};
 use mmxrt::scene::{Readout, Timing};
 use mmxrt::study::locate::{Locator, Place};
+use mmxrt::{Error, job};
 
 use crate::cli::run;
 use crate::motion::{HEIGHT_M, ORIGIN_M, down, moving_scene, steady};
+use crate::scenes::{SQUARE, SQUARE_OBJ};
 use crate::scratch::Scratch;
 use crate::shapes::{Random, grid, joined, plane, quad};
 
@@ -110,6 +117,52 @@ fn the_command_answers_as_a_table() {
     assert!(code == 1 && err.contains("sample, line"), "{err}");
     let (code, _, err) = run(&["locate", &scene]);
     assert!(code == 2 && err.contains("--pixel"), "{err}");
+}
+
+/// Any number of questions is answered in order, with progress, and nobody waits for the rest who asks to stop.
+#[test]
+fn questions_are_answered_in_order_until_one_stops() {
+    let scratch = Scratch::new();
+    scratch.write("square.obj", SQUARE_OBJ);
+    let subject = Subject::from(scene_toml::read(&scratch.write("scene.toml", SQUARE), &unwatched).unwrap());
+    let reading = Reading::default();
+    let camera = &subject.scene.exposure.camera;
+    let [samples, lines] = [camera.samples, camera.lines].map(f64::from);
+    for count in [0, 1, 255, 256, 257, 1000] {
+        let mut random = Random(count + 1);
+        let places: Vec<Place> =
+            (0..count).map(|_| Place { sample: samples * random.share(), line: lines * random.share() }).collect();
+        let pixel = |place: &Place| Question { asked: Asked::Pixel(*place), band: None };
+        let told = Mutex::new(Vec::new());
+        let watch = |now: Progress| {
+            if now.stage == "answers" {
+                told.lock().unwrap().push((now.done, now.total));
+            }
+            true
+        };
+        let found = job::answers(&subject, &reading, &places.iter().map(pixel).collect::<Vec<_>>(), &watch).unwrap();
+        assert_eq!(found.len(), places.len());
+        let told = told.into_inner().unwrap();
+        assert!(told.is_sorted() && told[0] == (0, count) && told.last() == Some(&(count, count)), "{told:?}");
+        let points = found.iter().zip(&places).filter_map(|((_, found), place)| match found {
+            Found::Ground(ground) => Some((ground.as_ref()?.point_m, *place)),
+            Found::Place(_) => None,
+        });
+        let points: Vec<(DVec3, Place)> = points.collect();
+        assert!(points.len() * 2 >= places.len());
+        let asked: Vec<Question> =
+            points.iter().map(|(point_m, _)| Question { asked: Asked::Ground(*point_m), band: Some(0) }).collect();
+        for ((band, found), (_, place)) in
+            job::answers(&subject, &reading, &asked, &unwatched).unwrap().iter().zip(&points)
+        {
+            let Found::Place(Some(seen)) = found else { panic!("{found:?}") };
+            let off = (seen.place.sample - place.sample).abs().max((seen.place.line - place.line).abs());
+            assert!(*band == 0 && off < 1e-6, "{seen:?} {place:?}");
+        }
+        let stop = |now: Progress| now.stage != "answers" || now.done < 256;
+        let stopped = job::answers(&subject, &reading, &places.iter().map(pixel).collect::<Vec<_>>(), &stop);
+        assert_eq!(matches!(stopped, Err(Error::Interrupted)), count >= 256, "{count}");
+    }
 }
 
 /// A slit that trembles crosses a point several times: where it does so in the image, that is where the point is.

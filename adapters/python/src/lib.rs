@@ -37,6 +37,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(product::integrate, module)?)?;
     module.add_function(wrap_pyfunction!(table::solve, module)?)?;
     module.add_function(wrap_pyfunction!(table::hold_table, module)?)?;
+    module.add_function(wrap_pyfunction!(table::read_table, module)?)?;
     module.add_function(wrap_pyfunction!(locate::ground, module)?)?;
     module.add_function(wrap_pyfunction!(locate::place, module)?)?;
     module.add_function(wrap_pyfunction!(convert::convert, module)?)

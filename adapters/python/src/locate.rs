@@ -1,36 +1,37 @@
 //! Where on the ground pixels look, and in which pixels points of the ground lie.
 
 use mmxrt::formats::Subject;
-use mmxrt::progress::{Watch, tell as told};
+use mmxrt::formats::points_csv::{Asked, Found, Question};
+use mmxrt::job;
 use mmxrt::study::check_band;
-use mmxrt::study::locate::{Locator, Place};
+use mmxrt::study::locate::{Ground, Place, Seen};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::prelude::*;
 
 use super::errors::argument;
 use super::source::Source;
 use super::work::work;
 
-/// Answers questions about a scene, in their order, by a locator and the band, from 0.
-fn answers<Q: Sync, A: Send>(
+/// What is found, in the order of what is asked; of the band, from 1, or of the reference.
+fn found(
+    py: Python<'_>,
     source: &Source,
+    asked: impl Iterator<Item = Asked>,
     band: Option<usize>,
-    questions: &[Q],
-    answer: impl Fn(&Locator<'_>, &Q, usize) -> mmxrt::Result<A> + Sync,
-    watch: Watch<'_>,
-) -> mmxrt::Result<Vec<A>> {
-    let subject = Subject::from(source.file(watch)?);
-    told(watch, "tree", 0, 1)?;
-    let locator = Locator::new(&subject.scene, subject.motion.as_ref().map(|(motion, timing)| (motion, *timing)));
-    told(watch, "tree", 1, 1)?;
-    let band = match band {
-        Some(band) => band.checked_sub(1).ok_or_else(|| argument("band", "bands are counted from 1"))?,
-        None => locator.reference_band(),
-    };
-    check_band(&subject.scene, band, "band")?;
-    questions.par_iter().map(|question| answer(&locator, question, band)).collect()
+    tell: &Bound<'_, PyAny>,
+) -> PyResult<Vec<Found>> {
+    let reading = source.reading(py)?;
+    let asked: Vec<Asked> = asked.collect();
+    work(py, tell, |watch| {
+        let from_1 = |band: usize| band.checked_sub(1).ok_or_else(|| argument("band", "bands are counted from 1"));
+        let band = band.map(from_1).transpose()?;
+        let subject = Subject::from(source.file(&reading, watch)?);
+        band.map_or(Ok(()), |band| check_band(&subject.scene, band, "band"))?;
+        let questions: Vec<Question> = asked.iter().map(|asked| Question { asked: *asked, band }).collect();
+        let answers = job::answers(&subject, &reading, &questions, watch)?;
+        Ok(answers.into_iter().map(|(_, found)| found).collect())
+    })
 }
 
 /// Puts flat arrays under their names.
@@ -47,13 +48,11 @@ pub(crate) fn ground<'py>(
     band: Option<usize>,
     tell: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = work(py, tell, |watch| {
-        let answer = |locator: &Locator<'_>, (sample, line): &(f64, f64), band| {
-            locator.ground(Place { sample: *sample, line: *line }, band)
-        };
-        answers(&source, band, &pixels, answer, watch)
-    })?;
-    let of = |value: &dyn Fn(&mmxrt::study::locate::Ground) -> f64| -> Vec<f64> {
+    let asked = pixels.iter().map(|(sample, line)| Asked::Pixel(Place { sample: *sample, line: *line }));
+    let all = found(py, &source, asked, band, tell)?;
+    let found: Vec<Option<Ground>> =
+        all.into_iter().map(|found| if let Found::Ground(ground) = found { ground } else { None }).collect();
+    let of = |value: &dyn Fn(&Ground) -> f64| -> Vec<f64> {
         found.iter().map(|ground| ground.as_ref().map_or(f64::NAN, value)).collect()
     };
     let made = PyDict::new(py);
@@ -84,11 +83,11 @@ pub(crate) fn place<'py>(
     band: Option<usize>,
     tell: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = work(py, tell, |watch| {
-        let answer = |locator: &Locator<'_>, point_m: &[f64; 3], band| locator.place((*point_m).into(), band);
-        answers(&source, band, &points_m, answer, watch)
-    })?;
-    let of = |value: &dyn Fn(&mmxrt::study::locate::Seen) -> f64| -> Vec<f64> {
+    let asked = points_m.iter().map(|point_m| Asked::Ground((*point_m).into()));
+    let all = found(py, &source, asked, band, tell)?;
+    let found: Vec<Option<Seen>> =
+        all.into_iter().map(|found| if let Found::Place(seen) = found { seen } else { None }).collect();
+    let of = |value: &dyn Fn(&Seen) -> f64| -> Vec<f64> {
         found.iter().map(|seen| seen.as_ref().map_or(f64::NAN, value)).collect()
     };
     let made = PyDict::new(py);

@@ -105,9 +105,11 @@ impl Cache {
         Ok(Cache { folder: folder.to_owned(), is_writable })
     }
 
-    /// Whether what is made is kept: one that others have filled may be there to read.
-    pub fn is_writable(&self) -> bool {
-        self.is_writable
+    /// What whoever named the folder should know: that what is made is not kept there. One that others have filled may be there to read.
+    pub fn warning(&self) -> Option<String> {
+        let folder = self.folder.display();
+        (!self.is_writable)
+            .then(|| format!("{folder} cannot be written to: what is in it is used, and nothing is added"))
     }
 
     /// What is kept under a key, if `unpacked` makes sense of it, or what is made now, and kept from now on.
