@@ -67,6 +67,11 @@ def test_a_product_is_that_of_the_command(folder: Path, program: str) -> None:
 @pytest.mark.parametrize("interleave", ["bsq", "bil", "bip"])
 def test_memory_and_folder_hold_the_same_numbers(folder: Path, interleave: str) -> None:
     scene = mmxrt.Scene.load(written(folder))
+    # A name that looks like one with a unit, and that a header of ENVI cannot hold.
+    odd = "grey (old), 2"
+    scene["materials"][odd] = {"reflectance": 0.07}
+    scene["mesh"][0]["material"] = odd
+    scene["mars"] = {"position_m": [0.0, 0.0, 9.376e6]}
     held = scene.simulate(split=True, table=True)
     opened = scene.simulate(folder / "out", split=True, table=True, interleave=interleave)
     np.testing.assert_array_equal(held.cube, opened.cube)
@@ -74,15 +79,24 @@ def test_memory_and_folder_hold_the_same_numbers(folder: Path, interleave: str) 
     assert (held.thermal > 0).any()
     np.testing.assert_array_equal(held.wavelength_um, opened.wavelength_um)
     np.testing.assert_array_equal(held.fwhm_um, opened.fwhm_um)
-    assert held.units.items() == opened.units.items()
+    assert list(held.units.items()) == list(opened.units.items())
+    assert (held.units["RANGE"], held.units[f"ABUNDANCE {odd}"], held.units[f"ABUNDANCE_LIT {odd}"]) == ("m", "1", "1")
+    assert list(held.backplanes) == list(opened.backplanes)
     for name, values in held.backplanes.items():
         np.testing.assert_array_equal(values, opened.backplanes[name], err_msg=name)
     assert held.report == opened.report
     assert opened.table is not None and held.table is not None
     for name, values in held.table.items():
-        if name in opened.table:
-            np.testing.assert_array_equal(values, opened.table[name], err_msg=name)
-    assert "sun_irradiance" in opened.table
+        np.testing.assert_array_equal(values, opened.table[name], err_msg=name)
+    assert {"sun_irradiance", "sun_share", "mars_irradiance", "mars_share", "temperature_lit_k"} <= held.table.keys()
+    solved, filed = scene.solve(), scene.solve(folder / "table.npz")
+    assert solved.keys() == held.table.keys() and solved.keys() < filed.keys()
+    assert all(values.shape == (2,) for values in solved.values())
+    for name, values in solved.items():
+        np.testing.assert_array_equal(values, filed[name], err_msg=name)
+    # A level plate hides nothing from itself.
+    np.testing.assert_array_equal(filed["sun_share"], 1.0)
+    np.testing.assert_array_equal(filed["mars_share"], 1.0)
 
 
 def test_memory_has_the_detectors_numbers(folder: Path) -> None:

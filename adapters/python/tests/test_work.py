@@ -6,9 +6,12 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import mmxrt
+import numpy as np
 import pytest
 from conftest import plate, run
 
@@ -60,6 +63,55 @@ def test_a_landscape_is_kept_for_the_next_time(folder: Path) -> None:
     again = mmxrt.Scene(items, folder=folder, cache=folder / "cache").copy().simulate(model="sunlight")
     assert kept == sorted(path.name for path in (folder / "cache").iterdir())
     assert plain.cube.tobytes() == first.cube.tobytes() == again.cube.tobytes()
+
+
+def test_a_tree_is_kept_for_the_next_time(folder: Path) -> None:
+    items, pixels = plate(mesh=[{"recipe": "rugged", "material": "grey"}]), [[4.0, 3.0], [0.5, 5.5]]
+    plain = mmxrt.Scene(items, folder=folder).locate(pixels=pixels)
+    for _ in range(2):
+        found = mmxrt.Scene(items, folder=folder, cache=folder / "cache").locate(pixels=pixels)
+        assert all(found[name].tobytes() == plain[name].tobytes() for name in plain)
+        assert any(path.suffix == ".tree" for path in (folder / "cache").iterdir())
+
+
+def test_locating_tells_and_stops(folder: Path) -> None:
+    scene, pixels = mmxrt.Scene(plate(), folder=folder), np.random.default_rng(1).uniform(0.0, 6.0, (300_000, 2))
+    told: list[tuple[str, int, int]] = []
+    found = scene.locate(pixels=pixels, progress=lambda *now: told.append(now))
+    # At every point of the plate the camera looks down on, the place is where it was asked.
+    back = scene.locate(ground_m=np.stack([found["x_m"], found["y_m"], found["z_m"]], axis=1))
+    np.testing.assert_allclose(np.stack([back["sample"], back["line"]], axis=1), pixels, atol=1e-6)
+    assert any(stage == "answers" and total == 300_000 for stage, _, total in told)
+
+    def refuse(stage: str, done: int, total: int) -> None:
+        if stage == "answers":
+            raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        scene.locate(pixels=pixels, progress=refuse)
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="a folder that nobody can write to")
+def test_a_cache_that_keeps_nothing_is_warned_of(folder: Path) -> None:
+    scene = mmxrt.Scene(plate(), folder=folder, cache="/proc/self")
+    with pytest.warns(UserWarning, match="/proc/self cannot be written to") as caught:
+        product = scene.simulate()
+    assert [warning.filename for warning in caught] == [__file__]
+    np.testing.assert_array_equal(product.cube, mmxrt.Scene(plate(), folder=folder).simulate().cube)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning):
+            scene.locate(pixels=[[0.5, 0.5]])
+
+
+def test_threads_share_a_cache(folder: Path) -> None:
+    def work() -> None:
+        mmxrt.Scene(plate(), folder=folder, cache=folder / "cache").locate(pixels=[[0.5, 0.5]])
+
+    with warnings.catch_warnings(), ThreadPoolExecutor(8) as pool:
+        warnings.simplefilter("error")
+        for done in [pool.submit(work) for _ in range(200)]:
+            done.result()
 
 
 def test_what_progress_raises_stops_the_work(folder: Path) -> None:

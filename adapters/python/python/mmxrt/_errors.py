@@ -50,6 +50,15 @@ class InvalidError(Error, ValueError):
     """A text is well formed, but values in it are not usable: fix them. All are told."""
 
 
+def refused(*problems: Problem) -> InvalidError:
+    """What was asked for cannot be done: all that is wrong with it, a line each."""
+    lines = []
+    for problem in problems:
+        at = "" if problem.item is None else f"{problem.item}: "
+        lines.append(f"{at}{problem.message}{'' if problem.help is None else f'; {problem.help}'}")
+    return InvalidError("\n".join(lines), problems)
+
+
 class UnsupportedError(Error, NotImplementedError):
     """Understood, but not something this version can do."""
 

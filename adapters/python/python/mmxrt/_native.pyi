@@ -5,6 +5,23 @@ from typing import Any
 from ._progress import Tell
 from ._scene import Scene
 
+__all__ = [
+    "command",
+    "convert",
+    "ground",
+    "hold",
+    "hold_table",
+    "inspect",
+    "integrate",
+    "place",
+    "plan",
+    "read_table",
+    "simulate",
+    "solve",
+    "tree",
+    "version",
+]
+
 _Path = str | os.PathLike[str]
 
 version: str
@@ -46,6 +63,7 @@ def solve(
     tell: Tell | None,
 ) -> None: ...
 def hold_table(source: Scene, model: str, tolerance: float, tell: Tell | None) -> dict[str, Any]: ...
+def read_table(path: _Path) -> dict[str, Any]: ...
 def ground(
     source: Scene, pixels: Sequence[tuple[float, float]], band: int | None, tell: Tell | None
 ) -> dict[str, Any]: ...

@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from . import _native
 from ._errors import InvalidError, IoError, Problem
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ class Product:
 
     @cached_property
     def table(self) -> dict[str, NDArray[Any]] | None:
-        """The facet table, as `Scene.solve` gives it; `None` unless `table` was asked for."""
+        """The facet table, as `Scene.solve` gives it with or without a file; `None` unless `table` was asked for."""
         return self._load_table()
 
     @property
@@ -172,15 +173,14 @@ def open(path: str | os.PathLike[str]) -> Product:
         return _envi(image)[0] if image.exists() else None
 
     def planes() -> list[tuple[str, str, NDArray[Any]]]:
-        images, header = _envi(folder / "backplanes.img")
-        return [(*_name_and_unit(said), image) for said, image in zip(_listed(header["band names"]), images, strict=True)]
+        images, _ = _envi(folder / "backplanes.img")
+        # As the report has them, after bands of the cube: in a header units are part of names, and commas in names are blanks.
+        told = report["statistics"][-len(images) :]
+        return [(of["name"], of["unit"], image) for of, image in zip(told, images, strict=True)]
 
     def table() -> dict[str, NDArray[Any]] | None:
         file = folder / "table.npz"
-        if not file.exists():
-            return None
-        with numpy().load(file) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+        return table_of(file) if file.exists() else None
 
     def bands() -> tuple[NDArray[Any], NDArray[Any]]:
         header = _header(folder / "cube.hdr")
@@ -191,6 +191,12 @@ def open(path: str | os.PathLike[str]) -> Product:
         return centres, widths
 
     return Product(report, load, planes, table, bands, folder)
+
+
+def table_of(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
+    """All arrays of a facet table in a file, and what it has in memory besides: shares, which follow from polygons."""
+    with numpy().load(path) as arrays:
+        return {name: arrays[name] for name in arrays.files} | _native.read_table(path)
 
 
 _TYPES = {"4": "<f4", "5": "<f8", "12": "<u2", "13": "<u4"}
@@ -229,12 +235,6 @@ def _header(path: Path) -> dict[str, str]:
             value = value[1 : value.rindex("}")]
         keys[key.strip().lower()] = value.strip()
     return keys
-
-
-def _name_and_unit(said: str) -> tuple[str, str]:
-    """A backplane's name and unit, of "RANGE (m)" as of "COVERAGE"."""
-    name, _, unit = said.rpartition(" (") if said.endswith(")") else (said, "", "1)")
-    return name, unit[:-1]
 
 
 def _listed(text: str) -> list[str]:

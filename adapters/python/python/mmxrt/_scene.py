@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import copy
 import json
+import operator
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _native, _toml
-from ._errors import InvalidError, Problem
-from ._product import Product, held, numpy, open
+from ._errors import Problem, refused
+from ._product import Product, held, numpy, open, table_of
 from ._progress import Progress, telling
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 _StrPath = str | os.PathLike[str]
 Steps = tuple[str | int, ...]
 
-_STEP = re.compile(r'"(?P<quoted>[^"]*)"|\[(?P<index>\d+)\]|(?P<bare>[^."\[\]]+)')
+_STEP = re.compile(r'(?P<quoted>"(?:[^"\\]|\\.)*")|\[(?P<index>\d+)\]|(?P<bare>[^."\[\]]+)')
 TOLERANCE = 1e-3
 """The largest error of a pixel that all that is left out may add up to, unless another is asked for: 0.1 %."""
 
@@ -82,7 +83,7 @@ class Scene(Item):
         self._tree.setdefault("mmxrt_scene", 1)
         self._path = os.path.join(os.fspath(folder), "<dict>")
         self._text: str | None = _toml.document(self._tree)
-        self._settings: list[str] = []
+        self._changes: list[tuple[Steps, str]] = []
         self._cache = None if cache is None else os.fspath(cache)
 
     @classmethod
@@ -100,19 +101,19 @@ class Scene(Item):
         """
         scene = cls.__new__(cls)
         Item.__init__(scene, scene, ())
-        scene._path, scene._text, scene._settings = os.fspath(path), None, []
+        scene._path, scene._text, scene._changes = os.fspath(path), None, []
         scene._cache = None if cache is None else os.fspath(cache)
         scene._tree = json.loads(_native.tree(path))
         return scene
 
     def __repr__(self) -> str:
-        return f"<mmxrt.Scene {self._path}{''.join(f', {setting}' for setting in self._settings)}>"
+        return f"<mmxrt.Scene {self._path}{''.join(f', {setting}' for setting in self.settings)}>"
 
     def copy(self) -> Scene:
         """Another scene that says the same."""
         scene = type(self).__new__(type(self))
         Item.__init__(scene, scene, ())
-        scene._path, scene._text, scene._settings = self._path, self._text, list(self._settings)
+        scene._path, scene._text, scene._changes = self._path, self._text, list(self._changes)
         scene._cache = self._cache
         scene._tree = copy.deepcopy(self._tree)
         return scene
@@ -120,15 +121,20 @@ class Scene(Item):
     def set(self, item: str, value: Any) -> Scene:
         """Sets an item by its name, as in `scene.set("sensor.samples", 64)` or `scene.set("mesh[0].recipe", "dunes")`; `None` takes it away.
 
-        Returns the scene. Raises `InvalidError` for a name that is none.
+        Returns the scene. Raises `InvalidError` for a name that is none, or that has no place in the scene; then nothing is changed.
         """
-        self._set(_steps(item), value)
+        steps, plain = _steps(item), None if value is None else _toml.plain(value)
+        try:
+            self._put(steps, plain)
+        except (LookupError, TypeError) as error:
+            message = "is not there" if isinstance(error, KeyError) else str(error)
+            raise refused(Problem(message, item=item)) from error
         return self
 
     @property
     def settings(self) -> list[str]:
         """What has been changed, as `--set` of the command says it."""
-        return list(self._settings)
+        return [f"{_named(steps)}={value}" for steps, value in self._changes]
 
     def _at(self, steps: Steps) -> Any:
         place: Any = self._tree
@@ -141,26 +147,46 @@ class Scene(Item):
         return Item(self, steps) if isinstance(found, dict | list) else found
 
     def _set(self, steps: Steps, value: Any) -> None:
-        """Changes the tree here, for reading, and says so to the library, which checks it when it reads the scene."""
-        value = None if value is None else _toml.plain(value)
+        self._put(steps, None if value is None else _toml.plain(value))
+
+    def _put(self, steps: Steps, value: Any) -> None:
+        """Changes the tree here, for reading, and says so to the library, which checks it when it reads the scene.
+
+        Raises `KeyError`, `IndexError` or `TypeError` for an item that has no place; then nothing is changed.
+        """
         place: Any = self._tree
+        way: Steps = ()
         for step in steps[:-1]:
-            place = place.setdefault(step, {}) if isinstance(place, dict) and isinstance(step, str) else place[step]
-        last = steps[-1]
-        fits: bool = isinstance(place, dict if isinstance(last, str) else list)
-        if not fits:
-            raise TypeError(f"{_named(steps)} is no item of what is there")
+            way += (_into(place, way, step),)
+            # A table that is not there is made below, when all of the way is known.
+            place = {} if isinstance(place, dict) and way[-1] not in place else place[way[-1]]
+        last = _into(place, way, steps[-1])
+        if value is None:
+            place[last]
+        place = self._tree
+        for step in way:
+            place = place.setdefault(step, {}) if isinstance(place, dict) else place[step]
         if value is None:
             del place[last]
         elif isinstance(place, list) and last == len(place):
             place.append(value)
         else:
             place[last] = value
-        name = _named(steps)
-        # A later setting of the same item stands for both; numbers in lists may have come to mean others meanwhile.
-        if value is not None and "[" not in name:
-            self._settings = [setting for setting in self._settings if not setting.startswith(f"{name}=")]
-        self._settings.append(f"{name}={'' if value is None else _toml.value(value)}")
+        self._say((*way, last), "" if value is None else _toml.value(value))
+
+    def _say(self, steps: Steps, value: str) -> None:
+        """Adds a change, and drops those before it that it replaces: of the same item, or of what is in it."""
+
+        def is_replaced(change: tuple[Steps, str]) -> bool:
+            return change[0][: len(steps)] == steps
+
+        if all(isinstance(step, str) for step in steps):
+            self._changes = [change for change in self._changes if not is_replaced(change)]
+        elif value:
+            # Elements come and go, and their numbers come to mean others: only what was said just before is sure to be of this one.
+            while self._changes and is_replaced(self._changes[-1]) and self._changes[-1] != (steps, ""):
+                self._changes.pop()
+        self._changes.append((steps, value))
 
     def validate(self, *, progress: Progress = None) -> Scene:
         """Checks all of it: its text, values, files and meshes. Returns the scene.
@@ -227,8 +253,7 @@ class Scene(Item):
             ours |= {"footprints": footprints, "planes_of": bool(planes_of), "force": force}
             of_files = [name for name, is_given in ours.items() if is_given]
             if of_files:
-                told = [Problem("belongs to a product in a folder", item=name, help="give `out`") for name in of_files]
-                raise InvalidError(f"{', '.join(of_files)}: belongs to a product in a folder; give `out`", told)
+                raise refused(*(Problem("belongs to a product in a folder", item=name, help="give `out`") for name in of_files))
             numpy()
             with telling(progress) as tell:
                 return held(_native.hold(self, _model(model), tolerance, ideal, options, tell))
@@ -248,21 +273,24 @@ class Scene(Item):
     ) -> dict[str, NDArray[Any]]:
         """What light and heat reach each facet: arrays with a number for each facet, [facet].
 
-        `NAME_irradiance` of each source, relative (of the Sun: cos i), on the part that it sees; `NAME_share`, the share of each facet that it sees; and
-        `temperature_lit_k`, `temperature_shaded_k` (K), unless heat is left out. With `out` (`*.npz`) the table is written, byte for byte as
-        `mmxrt solve` does, and all of its arrays are returned; `radiance` ("camera", "at:X,Y,Z", "towards:X,Y,Z") then writes what each facet
-        sends there as well, beside it.
+        `NAME_irradiance` of each source, relative (of the Sun: cos i), on the part that it sees; `NAME_share`, the share of each facet that it sees, 1 of a
+        source that casts no shadows here; `temperature_lit_k`, `temperature_shaded_k` (K), unless heat is left out; and `reflected_N` (W m-2 um-1), light of
+        other facets, unless that is left out. With `out` (`*.npz`) the table is written, byte for byte as `mmxrt solve` does, and what else it has is
+        returned as well (directions, polygons that are lit); `radiance` ("camera", "at:X,Y,Z", "towards:X,Y,Z") then writes what each facet sends
+        there, too, beside it.
+
+        Raises `InvalidError` and others with all problems.
         """
-        np = numpy()
+        numpy()
         with telling(progress) as tell:
             if out is None:
-                if radiance is not None or force:
-                    raise InvalidError("radiance and force belong to a table in a file; give `out`")
+                of_files = [name for name, is_given in (("radiance", radiance is not None), ("force", force)) if is_given]
+                if of_files:
+                    raise refused(*(Problem("belongs to a table in a file", item=name, help="give `out`") for name in of_files))
                 columns: dict[str, NDArray[Any]] = _native.hold_table(self, _model(model), tolerance, tell)
                 return columns
             _native.solve(self, out, radiance, force, _model(model), tolerance, tell)
-        with np.load(out) as table:
-            return {name: table[name] for name in table.files}
+        return table_of(out)
 
     def locate(
         self,
@@ -278,14 +306,17 @@ class Scene(Item):
         (planetocentric, east), `range_m`, `local_emission_deg` and `facet`, [n] each; NaN and -1 where there is no ground.
         `ground_m`: [n, 3], body-fixed, m. Gives `sample`, `line`, `range_m`, `inside` (the image) and `hidden` (by other ground).
         `band`: of a scene that moves, whose exposure, from 1; by default the one in the middle.
+
+        Raises `InvalidError` and others with all problems.
         """
         np = numpy()
         if (pixels is None) == (ground_m is None):
-            raise InvalidError("give either pixels or ground_m")
+            raise refused(Problem("either this or ground_m has to be given, and not both", item="pixels"))
         wide = 2 if ground_m is None else 3
         places = np.asarray(pixels if ground_m is None else ground_m, dtype=float)
         if places.shape[-1:] != (wide,):
-            raise InvalidError(f"{wide} numbers of each point are wanted, not an array of shape {places.shape}")
+            item, help = "pixels" if ground_m is None else "ground_m", f"give {wide} numbers of each point: [n, {wide}]"
+            raise refused(Problem(f"has the shape {places.shape}", item=item, help=help))
         rows = [tuple(row) for row in places.reshape(-1, wide).tolist()]
         with telling(progress) as tell:
             ask = _native.ground if ground_m is None else _native.place
@@ -361,7 +392,27 @@ def _steps(item: str) -> Steps:
     steps: list[str | int] = []
     for found in _STEP.finditer(item):
         quoted, bare, index = found.group("quoted", "bare", "index")
-        steps.append(int(index) if index is not None else quoted if quoted is not None else bare)
+        try:
+            steps.append(int(index) if index is not None else _toml.unquoted(quoted) if quoted is not None else bare)
+        except ValueError:
+            steps = []
+            break
     if not steps or _named(tuple(steps)) != item or isinstance(steps[0], int):
-        raise InvalidError(f"{item!r} is no item's name: expected one such as sensor.samples or mesh[0].recipe")
+        raise refused(Problem("is no item's name", item=item, help="expected is one such as sensor.samples or mesh[0].recipe"))
     return tuple(steps)
+
+
+def _into(place: Any, way: Steps, step: Any) -> str | int:
+    """A step into what is there, or to what may be added: of lists, -1 is the last element.
+
+    Raises `TypeError`, `IndexError`.
+    """
+    if isinstance(place, dict) and isinstance(step, str):
+        return str(step)
+    if isinstance(place, list) and hasattr(step, "__index__"):
+        index = operator.index(step)
+        index += len(place) if index < 0 else 0
+        if not 0 <= index <= len(place):
+            raise IndexError(f"{_named(way)} has {len(place)} elements, counted from 0")
+        return index
+    raise TypeError(f"there is no {step!r} in {_named(way) or 'a scene'}")

@@ -39,6 +39,14 @@ def text(value: str) -> str:
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 
+def unquoted(quoted: str) -> str:
+    """The text that `text` has put in quotes.
+
+    Raises `ValueError` for other escapes.
+    """
+    return str(json.loads(quoted))
+
+
 def value(given: Any) -> str:
     """A plain value on one line."""
     if isinstance(given, bool):
