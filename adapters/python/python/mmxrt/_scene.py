@@ -162,6 +162,7 @@ class Scene(Item):
             place = {} if isinstance(place, dict) and way[-1] not in place else place[way[-1]]
         last = _into(place, way, steps[-1])
         if value is None:
+            # Raises if there is nothing to take away.
             place[last]
         place = self._tree
         for step in way:
