@@ -270,7 +270,6 @@ impl Dense {
 
 /// Simulates a scene in memory: a dictionary of flat arrays, with their shape.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "named in Python")]
 pub(crate) fn hold<'py>(
     py: Python<'py>,
     source: Source,
