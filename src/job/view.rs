@@ -81,7 +81,8 @@ pub fn view(input: &Path, order: &PageOrder<'_>, watch: Watch<'_>) -> Result<Sho
             found => {
                 let mut raster = registry::image(input).map_err(|e| refused(input, &found, e))?;
                 draft = begin("image");
-                let layer = Layer { key: "cube", title: "Image", cells: Cells::Mean, bytes: order.bytes };
+                let layer =
+                    Layer { key: "cube", title: "Image", cells: Cells::Mean, bytes: order.bytes, least_side: 1 };
                 draft.add(&mut raster, &layer)?;
             }
         }
@@ -124,12 +125,20 @@ fn nothing(input: &Path) -> Error {
 impl Draft<'_> {
     /// Adds an image, reduced to what it may take.
     fn add(&mut self, raster: &mut Raster, layer: &Layer) -> Result<()> {
+        let stack = self.read(raster, layer)?;
+        self.put(raster, layer, stack);
+        Ok(())
+    }
+
+    fn read(&self, raster: &mut Raster, layer: &Layer) -> Result<Stack> {
         self.spares(raster.files())?;
-        let stack = Stack::read(raster, layer, self.watch)?;
+        Stack::read(raster, layer, self.watch)
+    }
+
+    fn put(&mut self, raster: &Raster, layer: &Layer, stack: Stack) {
         self.sides.push((layer.key.to_owned(), stack.side));
         self.page.stack(stack);
         raster.report.notes.iter().for_each(|note| self.page.warn(note.to_string()));
-        Ok(())
     }
 
     /// Refuses to write the page over what is read.
@@ -161,32 +170,53 @@ impl Draft<'_> {
         let each = if thermal.exists() { half / 2 } else { half };
         let mut image = registry::image(cube)?;
         let size = [image.columns, image.rows];
-        let bands = image.bands.len();
-        self.add(&mut image, &Layer { key: "cube", title: "Cube", cells: Cells::Mean, bytes: each })?;
-        drop(image);
-        if thermal.exists() {
-            let mut raster = registry::image(&thermal)?;
-            // Band by band it is subtracted.
-            if raster.bands.len() != bands {
-                let path = raster.path.display();
-                let there = raster.bands.len();
-                self.page.warn(format!("{path}: has {there} bands, the cube has {bands}; it is not shown"));
-            } else if self.is_of_size(&raster, size) {
-                let layer = Layer { key: "thermal", title: "Thermal part", cells: Cells::Mean, bytes: each };
-                self.add(&mut raster, &layer)?;
+        let part = self.part(&thermal, &image)?;
+        let layer = |key, title| Layer { key, title, cells: Cells::Mean, bytes: each, least_side: 1 };
+        let (mut of_cube, mut of_part) = (layer("cube", "Cube"), layer("thermal", "Thermal part"));
+        let mut stack = self.read(&mut image, &of_cube)?;
+        let mut read = None;
+        if let Some(mut part) = part {
+            // The difference of their cells is what is reflected: these are of one size.
+            of_part.least_side = stack.side;
+            let found = self.read(&mut part, &of_part)?;
+            if found.side > stack.side {
+                of_cube.least_side = found.side;
+                stack = self.read(&mut image, &of_cube)?;
             }
+            read = Some((part, found));
+        }
+        self.put(&image, &of_cube, stack);
+        // What it holds of its file is needed no more.
+        drop(image);
+        if let Some((part, found)) = read {
+            self.put(&part, &of_part, found);
         }
         let backplanes = folder.join("backplanes.img");
         if backplanes.is_file() {
             let mut raster = registry::image(&backplanes)?;
             if self.is_of_size(&raster, size) {
-                let layer = Layer { key: "planes", title: "Backplanes", cells: Cells::Middle, bytes: half };
+                let layer =
+                    Layer { key: "planes", title: "Backplanes", cells: Cells::Middle, bytes: half, least_side: 1 };
                 self.add(&mut raster, &layer)?;
             }
         } else {
             self.page.warn("backplanes.img is not there: positions, angles and what is sky are not known");
         }
         Ok(())
+    }
+
+    /// The thermal part of a cube, if it is there; says so if it is of other pixels or bands.
+    fn part(&mut self, path: &Path, cube: &Raster) -> Result<Option<Raster>> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let part = registry::image(path)?;
+        let [there, wanted] = [&part, cube].map(|of| of.bands.len());
+        if there != wanted {
+            let path = part.path.display();
+            self.page.warn(format!("{path}: has {there} bands, the cube has {wanted}; it is not shown"));
+        }
+        Ok((there == wanted && self.is_of_size(&part, [cube.columns, cube.rows])).then_some(part))
     }
 
     /// Whether an image is as large as the cube; says so if not.

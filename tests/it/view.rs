@@ -249,6 +249,14 @@ fn the_budget_holds_for_numbers_of_double_precision() {
     let (side, bytes, found) = of_pixels("double");
     assert_eq!((side, bytes, found[0].len()), (2, [8].into(), 150 * 200));
     assert!((found[0][0] / 1e-300 - 1.0).abs() < 1e-15 && (found[1][0] / 1e-40 - 1.0).abs() < 1e-15);
+    // A thermal part of which single precision lacks much, and its cube: each has a quarter of 1 MB, and cells of one size. Of 120 x 100, five bands: 240 kB.
+    folder(&scratch, "p");
+    let cube = vec![vec![1.0; 120 * 100]; 5];
+    image(&scratch, "p/cube", [120, 100], &cube, "data type = 5");
+    image(&scratch, "p/thermal", [120, 100], &vec![vec![1e-60; 120 * 100]; 5], "data type = 5");
+    let page = viewed(&scratch, "p", &["--budget", "1"]);
+    let of = |key: &str| (page.stack(key).unwrap()["side"].clone(), page.numbers(key)[4].len());
+    assert_eq!((of("cube"), of("thermal")), ((2.into(), 60 * 50), (2.into(), 60 * 50)));
     // Subnormal, and still exact in single precision.
     image(&scratch, "single", [300, 400], &[band(2_f64.powi(-149)), band(1.0)], "");
     let (side, bytes, found) = of_pixels("single");

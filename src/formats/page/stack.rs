@@ -34,6 +34,8 @@ pub struct Layer {
     pub cells: Cells,
     /// Its numbers may take so much, before they are compressed, bytes.
     pub bytes: u64,
+    /// Side of the least cells that it may have, pixels.
+    pub least_side: usize,
 }
 
 /// The numbers of an image, for a page.
@@ -71,7 +73,8 @@ impl Stack {
     /// # Errors
     /// Those of [`Raster::read`]; [`crate::Error::Interrupted`] if `watch` asks to stop.
     pub fn read(raster: &mut Raster, layer: &Layer, watch: Watch<'_>) -> Result<Self> {
-        let side = |each| side([raster.columns, raster.rows], raster.bands.len(), each, layer.bytes);
+        let size = [raster.columns, raster.rows];
+        let side = |each| side(size, raster.bands.len(), each, layer.bytes).max(layer.least_side);
         let (single, double) = (side(4), side(8));
         let (stack, bytes) = Self::of_cells(raster, layer, single, watch)?;
         // Which numbers need double precision is known when they are read. Few images have so many of them.
