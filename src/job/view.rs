@@ -56,6 +56,10 @@ struct Draft<'a> {
 pub fn view(input: &Path, order: &PageOrder<'_>, watch: Watch<'_>) -> Result<Shown> {
     input.metadata().map_err(|e| Error::io(input, "reading", e))?;
     let target = order.target.map_or_else(|| beside(input), Path::to_owned);
+    // A scene that is named by mistake is not to become a page, even if what is there may be replaced.
+    if !target.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm")) {
+        return Err(Error::invalid(Location::file(&target), "a page has a name that ends in .html"));
+    }
     let staged = Staged::file(&target, order.replace)?;
     let name = input.canonicalize().unwrap_or_else(|_| input.to_owned());
     let name = name.file_name().map_or_else(|| input.display().to_string(), |name| name.to_string_lossy().into_owned());

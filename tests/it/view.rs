@@ -420,3 +420,13 @@ fn the_report_says_where_mars_is_in_the_image() {
         assert!((found.unwrap_or_default() - mars.unwrap_or_default()).abs() < 1e-9, "{orientation}");
     }
 }
+
+#[test]
+fn nothing_but_a_page_is_replaced() {
+    let scratch = Scratch::new();
+    let file = scratch.write("two.csv", "wavelength_um,ice\n1,0.1\n2,0.2\n");
+    let scene = scratch.write("scene.toml", "mmxrt_scene = 1\n");
+    let (code, _, error) = run(&["view", file.to_str().unwrap(), "-o", scene.to_str().unwrap(), "--force"]);
+    assert!(code == 1 && error.contains("ends in .html"), "{error}");
+    assert_eq!(std::fs::read_to_string(&scene).unwrap(), "mmxrt_scene = 1\n");
+}
