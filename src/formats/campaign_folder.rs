@@ -148,7 +148,9 @@ impl CampaignFolder {
             found.binary_search_by(|(other, _)| other.cmp(name)).is_ok_and(|place| found[place].1 == *bytes)
         };
         let mut wanted = options.formats.files("cube");
-        wanted.extend(options.split.then(|| options.formats.files("thermal")).unwrap_or_default());
+        if options.split {
+            wanted.extend(options.formats.files("thermal"));
+        }
         let parts = [(options.exr, "cube.exr"), (options.table, "table.npz"), (options.footprints, "footprints.npz")];
         wanted.extend(parts.iter().filter(|(is_wanted, _)| *is_wanted).map(|(_, part)| (*part).to_owned()));
         let is_whole = report.scene == id
