@@ -2,18 +2,18 @@
 
 passed=0 failed=0 skipped=0
 
-# step NAME COMMAND...: runs it and says what came of it; the next step runs in any case.
+# step NAME COMMAND...: runs it and says what came of it; the next step runs in any case. Exit code 77: it lacks what it needs, and says what.
 step() {
     local name=$1 began=$SECONDS
     shift
     echo "--- $name: $*"
-    if "$@"; then
-        passed=$((passed + 1))
-        echo "--- $name: PASSED, $((SECONDS - began)) s"
-    else
-        failed=$((failed + 1))
-        echo "--- $name: FAILED, $((SECONDS - began)) s"
-    fi
+    local code=0
+    "$@" || code=$?
+    case $code in
+        0) passed=$((passed + 1)) && echo "--- $name: PASSED, $((SECONDS - began)) s" ;;
+        77) skip "$name" "see above" ;;
+        *) failed=$((failed + 1)) && echo "--- $name: FAILED, $((SECONDS - began)) s" ;;
+    esac
 }
 
 # skip NAME WHY

@@ -351,7 +351,7 @@ def main():
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if not chromium:
         print("SKIPPED: chromium is not installed")
-        return
+        sys.exit(77)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as play:
         folder = pathlib.Path(folder)
         page = folder / "page.html"

@@ -22,7 +22,7 @@ environment=${environment:-$work/environment}
 snakemake=$environment/bin/snakemake
 if ! [ -x "$snakemake" ]; then
     { python3 -m venv "$environment" && "$environment/bin/pip" install --quiet --disable-pip-version-check "snakemake>=9,<10"; } >/dev/null 2>&1 ||
-        { echo "SKIPPED: pip cannot install Snakemake 9"; exit 0; }
+        { echo "SKIPPED: pip cannot install Snakemake 9"; exit 77; }
 fi
 
 # An octahedron, seen from an orbit every ten seconds.

@@ -126,7 +126,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     if let Some(path) = &arguments.points {
         questions.extend(points_csv::read(path)?.into_iter().map(|of| Question { band: of.band.or(band), ..of }));
     }
-    let answers = job::locate(of, &questions, &watch)?;
+    let subject = of.open(&watch)?;
+    let answers = job::answers(&subject, reading, &questions, &watch)?;
     let rows: Vec<String> = questions
         .iter()
         .zip(&answers)
@@ -135,7 +136,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Outcome> {
     let text = format!("{}\n{}", points_csv::COLUMNS, rows.join("\n"));
     match &arguments.output {
         Some(path) => {
-            let inputs: Vec<_> = arguments.points.iter().chain([&arguments.scene]).map(PathBuf::as_path).collect();
+            let read = subject.inputs.iter().map(|input| &input.path);
+            let inputs: Vec<_> =
+                read.chain(&arguments.points).chain([&arguments.scene]).map(PathBuf::as_path).collect();
             job::write_answers(path, arguments.force, &format!("{text}\n"), &inputs)?;
             console.note(&format!("{}: {} answers", path.display(), rows.len()));
         }

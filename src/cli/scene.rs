@@ -20,7 +20,7 @@ pub(crate) struct ReadingArguments {
     /// Take this instead of what the scene file says, e.g. sensor.samples=64 or mesh[0].recipe=dunes; nothing behind the = takes the item away. May be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) set: Vec<Setting>,
-    /// Keep prepared bodies in this folder (landscapes that were made, meshes that were read, how their facets hang together), and take them from there the next time
+    /// Keep prepared bodies in this folder (landscapes that were made, meshes that were read, how their facets hang together, trees of rays), and take them from there the next time
     #[arg(long, value_name = "FOLDER")]
     cache: Option<PathBuf>,
 }

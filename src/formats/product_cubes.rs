@@ -116,7 +116,7 @@ impl CubeFormats {
         for CubeFile { stem, quantity, words, planes } in cubes {
             let image = folder.join(format!("{stem}.img"));
             if self.pds4 {
-                raster::write_pds4_label(&image, &format!("{words}{}", source.by))?;
+                raster::write_pds4_label(&image, &format!("{words}{}", source.by), source.scene)?;
             }
             for container in &self.containers {
                 let mut attributes = vec![

@@ -1,7 +1,9 @@
 //! A picture of curves over wavelength, as SVG: axes with round numbers, a line and a name for each curve.
 
-use crate::geometry::whole;
 use std::fmt::Write as _;
+
+use super::drawing::escaped;
+use crate::geometry::whole;
 
 /// Size of the picture and of the margins around the plot, px: left, top, right, bottom.
 const SIZE: [f64; 2] = [720.0, 440.0];
@@ -157,10 +159,6 @@ pub(super) fn ticks(low: f64, high: f64) -> Vec<(f64, String)> {
             _ => (tick, format!("{tick:.2e}")),
         })
         .collect()
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

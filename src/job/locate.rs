@@ -32,7 +32,11 @@ pub struct SceneOf<'a> {
 }
 
 impl SceneOf<'_> {
-    fn open(self, watch: Watch<'_>) -> Result<Subject> {
+    /// Reads it.
+    ///
+    /// # Errors
+    /// Those of [`scene_toml::read`], of [`Campaign::open`] and [`Campaign::subject`]; [`Error::Invalid`] for an acquisition that there is none of.
+    pub fn open(self, watch: Watch<'_>) -> Result<Subject> {
         let subject = match self.acquisition {
             Some(name) => acquired(self.file, name, self.reading, watch)?,
             None => Subject::from(scene_toml::read_with(self.file, self.reading, watch)?),
@@ -67,15 +71,6 @@ pub fn write_answers(target: &Path, replace: bool, text: &str, inputs: &[&Path])
     staged.spares(inputs.iter().copied())?;
     staged.put(staged.path(), |out| std::io::Write::write_all(out, text.as_bytes()))?;
     staged.commit()
-}
-
-/// Answers queries about a scene, or a named acquisition of a campaign: [`answers`] of what is read.
-///
-/// # Errors
-/// Those of [`scene_toml::read`], of [`Campaign::open`] and [`Campaign::subject`], and of [`answers`]; [`Error::Invalid`] for an acquisition
-/// that there is none of.
-pub fn locate(of: SceneOf<'_>, questions: &[Question], watch: Watch<'_>) -> Result<Vec<(usize, Found)>> {
-    answers(&of.open(watch)?, of.reading, questions, watch)
 }
 
 /// Answers queries about what has been read, in order, each with its band counted from 0. The tree of rays is from the cache of `reading`, or kept there.

@@ -38,7 +38,7 @@ pub use image_survey::{Picture, Survey, survey};
 pub use instrument::{Asked, instrument};
 pub use integrate::{Radiance, integrate};
 pub use landscape::LandscapeFiles;
-pub use locate::{SceneOf, answers, locate, locate_errors, write_answers, write_isd};
+pub use locate::{SceneOf, answers, locate_errors, write_answers, write_isd};
 pub use mesh_portraits::draw_mesh;
 pub use new::{Template, new, write_pages};
 pub use ortho::{Mapped, ortho};

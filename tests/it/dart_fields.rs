@@ -1,17 +1,15 @@
 //! Object fields of DART: objects that stand where the lines of a text say, ours and those of other writers.
 
-use std::path::PathBuf;
-
 use glam::DVec3;
-use mmxrt::formats::dart::{self, ReadOptions, SceneOptions, TargetVersion};
+use mmxrt::formats::dart::{self, ReadOptions};
 use mmxrt::formats::scene_toml;
 use mmxrt::progress::unwatched;
-use mmxrt::report::Report;
 use mmxrt::scene::Scene;
 
 use crate::cli::run;
-use crate::dart_write::{options, read, tetrahedron, written};
-use crate::scratch::{Scratch, edit, is_heavy};
+use crate::dart_sim::{Sim, told};
+use crate::dart_write::tetrahedron;
+use crate::scratch::{Scratch, is_heavy};
 use crate::shapes::Random;
 
 /// A model of an OBJ file, of the first material, or of two groups of the first and the third.
@@ -55,61 +53,29 @@ fn model(file: &str, groups: bool, edits: &[(&str, &str)]) -> String {
 /// `v a b c` as x = c, y = a, z = b.
 const ROCK: &str = "v 0 0 0\nv 0 0 1\nv 1 0 0\nv 0 1 0\ng a\nf 1 3 2\nf 1 2 4\ng b\nf 1 4 3\nf 2 3 4\n";
 
-struct Sim {
-    scratch: Scratch,
-    folder: PathBuf,
+/// Somebody's simulation with a field of these models, whose places are in `rocks.txt`.
+fn field(models: &str, text: impl AsRef<[u8]>) -> Sim {
+    let sim = Sim::bare(&tetrahedron());
+    let field = format!(
+        "<ObjectFields><Field name=\"rocks\" fieldDescriptionFileName=\"rocks.txt\" showObjectPositions=\"0\"><ModelList>{models}\
+         </ModelList></Field></ObjectFields>"
+    );
+    sim.edit("input/object_3d.xml", "<ObjectFields/>", &field);
+    std::fs::write(sim.folder.join("input/rock.obj"), ROCK).unwrap();
+    std::fs::write(sim.folder.join("input/rocks.txt"), text).unwrap();
+    sim
 }
 
-impl Sim {
-    /// Somebody's simulation with a field of these models, whose places are in `rocks.txt`.
-    fn of(models: &str, text: impl AsRef<[u8]>) -> Self {
-        let scratch = Scratch::new();
-        let folder = scratch.join("sim");
-        written(&tetrahedron(), &options(TargetVersion::V5_7_4), &folder);
-        std::fs::remove_file(folder.join("mmxrt.toml")).unwrap();
-        let field = format!(
-            "<ObjectFields><Field name=\"rocks\" fieldDescriptionFileName=\"rocks.txt\" showObjectPositions=\"0\"><ModelList>{models}\
-             </ModelList></Field></ObjectFields>"
-        );
-        edit(&folder.join("input/object_3d.xml"), "<ObjectFields/>", &field);
-        std::fs::write(folder.join("input/rock.obj"), ROCK).unwrap();
-        std::fs::write(folder.join("input/rocks.txt"), text).unwrap();
-        Sim { scratch, folder }
-    }
-
-    fn read(&self) -> (Scene, Report) {
-        read(&self.folder, &SceneOptions::default())
-    }
-
-    /// Corners of the field's facets in DART's frame; the scene's own object has four.
-    fn corners_m(&self) -> Vec<[DVec3; 3]> {
-        let options = ReadOptions::default();
-        let (simulation, ..) = dart::read(&self.folder, &options).unwrap();
-        let [x, y] = simulation.maket.size_m;
-        let (scene, _) = self.read();
-        let mesh = &scene.body.mesh;
-        // From East, North and up of the scene's middle.
-        let in_dart = |v: DVec3| DVec3::new(0.5 * x - v.y, 0.5 * y + v.x, v.z);
-        (4..mesh.facets.len()).map(|f| mesh.facet(f).corners_m.map(in_dart)).collect()
-    }
-
-    fn error(&self) -> String {
-        let options = ReadOptions::default();
-        let read = dart::read(&self.folder, &options).and_then(|(simulation, ..)| {
-            dart::to_scene(&simulation, &options.folder(&self.folder), &SceneOptions::default(), &unwatched)
-        });
-        read.unwrap_err().to_string()
-    }
-
-    fn check(&self) -> (i32, String) {
-        let (code, out, err) = run(&["convert", "--check", self.folder.to_str().unwrap()]);
-        assert_eq!(err, "");
-        (code, out)
-    }
-}
-
-fn told(report: &Report, part: &str) -> bool {
-    report.notes.iter().any(|note| note.message.contains(part))
+/// Corners of the field's facets in DART's frame; the scene's own object has four.
+fn corners_m(sim: &Sim) -> Vec<[DVec3; 3]> {
+    let options = ReadOptions::default();
+    let (simulation, ..) = dart::read(&sim.folder, &options).unwrap();
+    let [x, y] = simulation.maket.size_m;
+    let (scene, _) = sim.read();
+    let mesh = &scene.body.mesh;
+    // From East, North and up of the scene's middle.
+    let in_dart = |v: DVec3| DVec3::new(0.5 * x - v.y, 0.5 * y + v.x, v.z);
+    (4..mesh.facets.len()).map(|f| mesh.facet(f).corners_m.map(in_dart)).collect()
 }
 
 fn rock() -> String {
@@ -130,8 +96,8 @@ fn assert_stands(corners_m: &[[DVec3; 3]], expected: [[f64; 3]; 4]) {
 fn an_object_stands_where_its_line_says() {
     // Scaled along DART's axes, moved; then turned by a quarter about z; tipped over by a quarter, z towards x; and both.
     let text = "complete transformation\n0 2 3 1 2 3 4 0 0 0\n0 2 3 1 2 3 4 90 0 0\n0 2 3 1 1 1 1 0 90 0\n0 2 3 1 1 1 1 0 90 90\n";
-    let sim = Sim::of(&rock(), text);
-    let corners_m = sim.corners_m();
+    let sim = field(&rock(), text);
+    let corners_m = corners_m(&sim);
     assert_eq!(corners_m.len(), 16);
     assert_stands(&corners_m, [[2., 3., 1.], [4., 3., 1.], [2., 6., 1.], [2., 3., 5.]]);
     // x to y, y to -x.
@@ -144,14 +110,14 @@ fn an_object_stands_where_its_line_says() {
         scene.body.mesh.material[4..8].iter().map(|m| scene.body.materials[usize::from(m.0)].name.as_str()).collect();
     assert_eq!(names, ["east", "east", "south west", "south west"]);
     // A turn about the vertical needs no inference.
-    let (_, report) = Sim::of(&rock(), "complete transformation\n0 2 3 1 1 1 1 30 0 40\n").read();
+    let (_, report) = field(&rock(), "complete transformation\n0 2 3 1 1 1 1 30 0 40\n").read();
     assert!(!told(&report, "rotations"), "{report:#?}");
 }
 
 #[test]
 fn a_mirrored_object_keeps_its_outside_outside() {
     for scale in ["-2 3 4", "2 3 -4", "-2 -3 -4", "-2 -3 4"] {
-        let (scene, _) = Sim::of(&rock(), format!("complete transformation\n0 3 3 5 {scale} 0 0 0\n")).read();
+        let (scene, _) = field(&rock(), format!("complete transformation\n0 3 3 5 {scale} 0 0 0\n")).read();
         let volume_m3 = scene.body.mesh.part(&[4, 5, 6, 7]).enclosed_m3().unwrap();
         // 2 x 3 x 4 / 6.
         assert!((volume_m3 - 4.0).abs() < 1e-12, "{scale}: {volume_m3}");
@@ -160,21 +126,20 @@ fn a_mirrored_object_keeps_its_outside_outside() {
 
 #[test]
 fn a_model_without_groups_is_of_one_material() {
-    let (scene, _) = Sim::of(&model("rock.obj", false, &[]), "complete transformation\n0 2 3 1 1 1 1 0 0 0\n").read();
+    let (scene, _) = field(&model("rock.obj", false, &[]), "complete transformation\n0 2 3 1 1 1 1 0 0 0\n").read();
     let of = |f: usize| scene.body.materials[usize::from(scene.body.mesh.material[f].0)].name.as_str();
     assert_eq!([4, 5, 6, 7].map(of), ["east"; 4]);
     // Lines name models by their place in the list.
     let two = rock() + &model("rock.obj", false, &[]);
     let (scene, _) =
-        Sim::of(&two, "complete transformation\n1 2 3 1 1 1 1 0 0 0\n0 3 3 1 1 1 1 0 0 0\n1 1 1 1 1 1 1 0 0 0\n")
-            .read();
+        field(&two, "complete transformation\n1 2 3 1 1 1 1 0 0 0\n0 3 3 1 1 1 1 0 0 0\n1 1 1 1 1 1 1 0 0 0\n").read();
     let south_west = scene.body.materials.iter().position(|m| m.name == "south west").unwrap();
     assert_eq!(scene.body.mesh.material[4..].iter().filter(|m| usize::from(m.0) == south_west).count(), 2);
 }
 
 #[test]
 fn texts_of_other_writers_say_the_same() {
-    let plain = Sim::of(&rock(), "complete transformation\n0 2 3 1 2 3 4 0 0 30\n0 1 1 0.5 1 1 1 0 0 0\n").corners_m();
+    let plain = corners_m(&field(&rock(), "complete transformation\n0 2 3 1 2 3 4 0 0 30\n0 1 1 0.5 1 1 1 0 0 0\n"));
     let texts = [
         "complete transformation\r\n0 2 3 1 2 3 4 0 0 30\r\n0 1 1 .5 1 1 1 0 0 0\r\n",
         "Complete\tTransformation  // all of it\n\n0\t2\t3\t1\t2\t3\t4\t0\t0\t30\n  0 1.0 1.00 0.5 1 1 1 0 0 0   ",
@@ -183,8 +148,8 @@ fn texts_of_other_writers_say_the_same() {
         "complete transformation\r0 2 3 1 2 3 4 0 0 30\r0 1 1 0.5 1 1 1 0 0 0\r",
     ];
     for text in texts {
-        let sim = Sim::of(&rock(), text);
-        assert_eq!(sim.corners_m(), plain, "{text:?}");
+        let sim = field(&rock(), text);
+        assert_eq!(corners_m(&sim), plain, "{text:?}");
         let (code, out) = sim.check();
         assert_eq!((code, out.contains("a number with an exponent")), (0, text.contains("3e0")), "{text:?} {out}");
     }
@@ -193,8 +158,8 @@ fn texts_of_other_writers_say_the_same() {
 #[test]
 fn places_without_a_transformation_are_told_to_be_as_the_model() {
     // z and scale are the model's, 7 m and 3.
-    let sim = Sim::of(&rock(), "0 2 3\n");
-    assert_stands(&sim.corners_m(), [[2., 3., 7.], [5., 3., 7.], [2., 6., 7.], [2., 3., 10.]]);
+    let sim = field(&rock(), "0 2 3\n");
+    assert_stands(&corners_m(&sim), [[2., 3., 7.], [5., 3., 7.], [2., 6., 7.], [2., 3., 10.]]);
     let (_, report) = sim.read();
     assert!(told(&report, "places without a transformation"), "{report:#?}");
 }
@@ -221,19 +186,19 @@ fn damaged_texts_are_refused_with_all_that_is_wrong() {
         ("complete transformation\n", &["rocks.txt:2:1"]),
     ];
     for (text, messages) in cases {
-        let sim = Sim::of(&rock(), complete.to_owned() + text);
+        let sim = field(&rock(), complete.to_owned() + text);
         let error = sim.error();
         assert!(messages.iter().all(|message| error.contains(message)), "{text}: {error}");
         let (code, out) = sim.check();
         assert!(code == 1 && messages.iter().all(|message| out.contains(message)), "{text}: {out}");
     }
     for text in [&b"\x00\x01\x02"[..], b"complete transformation\n0 \xff 1 1 1 1 1 0 0 0\n"] {
-        assert!(Sim::of(&rock(), text).error().contains("rocks.txt"));
+        assert!(field(&rock(), text).error().contains("rocks.txt"));
     }
     // What is so small that nothing is to be seen of it stays where it is.
-    let small = Sim::of(&rock(), "complete transformation\n0 1 1 1 1e-300 1e-300 1e-300 0 0 0\n").corners_m();
+    let small = corners_m(&field(&rock(), "complete transformation\n0 1 1 1 1e-300 1e-300 1e-300 0 0 0\n"));
     assert!(small.len() == 4 && small.as_flattened().iter().all(|v| (*v - DVec3::ONE).length() < 1e-12));
-    assert!(Sim::of("", "0 1 1\n").error().contains("model 0: the field has 0 models"));
+    assert!(field("", "0 1 1\n").error().contains("model 0: the field has 0 models"));
     // Of the model.
     let cases = [
         (model("rock.obj", true, &[("num=\"2\"", "num=\"5\"")]), "object_3d.xml:", "the OBJ has 2 groups"),
@@ -243,7 +208,7 @@ fn damaged_texts_are_refused_with_all_that_is_wrong() {
         (model("rock.obj", true, &[("indexFctPhase=\"2\"", "indexFctPhase=\"77\"")]), "object_3d.xml:", "entry 77"),
     ];
     for (model, place, message) in cases {
-        let sim = Sim::of(&model, "complete transformation\n0 1 1 1 1 1 1 0 0 0\n");
+        let sim = field(&model, "complete transformation\n0 1 1 1 1 1 1 0 0 0\n");
         let error = sim.error();
         assert!(error.contains(place) && error.contains(message), "{error}");
         assert_eq!(sim.check().0, 1, "{message}");
@@ -253,21 +218,19 @@ fn damaged_texts_are_refused_with_all_that_is_wrong() {
 #[test]
 fn a_field_of_nothing_is_told() {
     for text in ["", "\n\n", "complete transformation", "// nothing\n/* nor here */"] {
-        let sim = Sim::of(&rock(), text);
+        let sim = field(&rock(), text);
         let (scene, report) = sim.read();
         assert!(scene.body.mesh.facets.len() == 4 && told(&report, "has no places"), "{text}: {report:#?}");
     }
-    let sim = Sim::of(&rock(), "0 1 1\n");
+    let sim = field(&rock(), "0 1 1\n");
     std::fs::remove_file(sim.folder.join("input/rocks.txt")).unwrap();
     let (scene, report) = sim.read();
     assert!(scene.body.mesh.facets.len() == 4 && told(&report, "whose text `rocks.txt` is not in"), "{report:#?}");
     let (code, out) = sim.check();
     assert!(code == 1 && out.contains("`rocks.txt` is not in the input folder"), "{out}");
     // A hidden model is told once.
-    let sim = Sim::of(
-        &model("rock.obj", true, &[("hidden=\"0\" isDisplayed", "hidden=\"1\" isDisplayed")]),
-        "0 1 1\n0 2 2\n",
-    );
+    let sim =
+        field(&model("rock.obj", true, &[("hidden=\"0\" isDisplayed", "hidden=\"1\" isDisplayed")]), "0 1 1\n0 2 2\n");
     let (scene, report) = sim.read();
     let hidden = report.notes.iter().filter(|note| note.message.contains("is hidden")).count();
     assert_eq!((scene.body.mesh.facets.len(), hidden), (4, 1));
@@ -275,7 +238,7 @@ fn a_field_of_nothing_is_told() {
 
 #[test]
 fn what_stands_outside_is_left_out_and_a_check_tells() {
-    let sim = Sim::of(
+    let sim = field(
         &rock(),
         "complete transformation\n0 2 3 1 1 1 1 0 0 0\n0 -0.1 3 1 1 1 1 0 0 0\n0 2 1000 1 1 1 1 0 0 0\n0 2 3 1 99 1 1 0 0 0\n",
     );
@@ -286,12 +249,12 @@ fn what_stands_outside_is_left_out_and_a_check_tells() {
     assert!(out.contains("`rock` reaches beyond the scene at 1 of its places"), "{out}");
     // On the ground, by DART's default, whatever its z; what lies there already is not moved.
     let on_ground = model("rock.obj", true, &[("objectDEMMode=\"2\"", "objectDEMMode=\"0\"")]);
-    let sim = Sim::of(&on_ground, "complete transformation\n0 2 3 5 1 1 1 0 0 0\n0 2 3 0 1 1 1 0 0 0\n");
-    assert!(sim.corners_m().as_flattened().iter().all(|v| (0.0..=1.0).contains(&v.z)));
+    let sim = field(&on_ground, "complete transformation\n0 2 3 5 1 1 1 0 0 0\n0 2 3 0 1 1 1 0 0 0\n");
+    assert!(corners_m(&sim).as_flattened().iter().all(|v| (0.0..=1.0).contains(&v.z)));
     let (code, out) = sim.check();
     assert!(code == 0 && out.contains("`rock` is dropped to the ground at 1 of its places"), "{out}");
     // A file inside out, which every object is then.
-    let sim = Sim::of(&model("inverse.obj", true, &[]), "complete transformation\n0 2 3 1 1 1 1 0 0 0\n");
+    let sim = field(&model("inverse.obj", true, &[]), "complete transformation\n0 2 3 1 1 1 1 0 0 0\n");
     let inverse = ROCK
         .replace("f 1 3 2", "f 1 2 3")
         .replace("f 1 2 4", "f 1 4 2")
@@ -308,7 +271,7 @@ fn places_that_differ_are_differences_and_not_all_of_them_lines() {
         let row = |i: u32| format!("0 {} 3 1 1 1 1 0 0 0\n", x + 0.001 * f64::from(i));
         "complete transformation\n".to_owned() + &(0..500).map(row).collect::<String>()
     };
-    let (a, b, c) = (Sim::of(&rock(), rows(1.0)), Sim::of(&rock(), rows(1.25)), Sim::of(&rock(), rows(1.0)));
+    let (a, b, c) = (field(&rock(), rows(1.0)), field(&rock(), rows(1.25)), field(&rock(), rows(1.0)));
     let diff = |a: &Sim, b: &Sim| run(&["convert", "--diff", a.folder.to_str().unwrap(), b.folder.to_str().unwrap()]);
     assert_eq!(diff(&a, &c).1, "the same in meaning\n");
     let (code, out, _) = diff(&a, &b);
@@ -324,7 +287,7 @@ fn many_places_take_one_pass_and_one_note() {
     let count = if is_heavy() { 1_000_000 } else { 50_000 };
     let row = |i: u32| format!("0 {} {} 1 0.01 0.01 0.01 10 20 30\n", 1.0 + 1e-6 * f64::from(i), 2.0);
     let text = "complete transformation\n".to_owned() + &(0..count).map(row).collect::<String>();
-    let sim = Sim::of(&model("rock.obj", true, &[("objectDEMMode=\"2\"", "objectDEMMode=\"3\"")]), text);
+    let sim = field(&model("rock.obj", true, &[("objectDEMMode=\"2\"", "objectDEMMode=\"3\"")]), text);
     let start = std::time::Instant::now();
     let (scene, report) = sim.read();
     println!("{count} places: {:.2} s", start.elapsed().as_secs_f64());

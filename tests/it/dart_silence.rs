@@ -2,68 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use mmxrt::formats::dart::{self, SceneOptions, TargetVersion, database};
-use mmxrt::report::Report;
+use mmxrt::formats::dart::{self, TargetVersion, database};
 use mmxrt::scene::{Material, Scene, Thermal};
 use mmxrt::spectral::{Band, Column, Extend, SpectralLibrary, Spectrum, solar_e490};
 use mmxrt::units::AU_M;
 
 use crate::cli::run;
-use crate::dart_write::{options, read, rich, tetrahedron, written};
+use crate::dart_sim::{Sim, told};
+use crate::dart_write::{options, rich, tetrahedron};
 use crate::scenes::edited;
-use crate::scratch::{Scratch, edit};
-
-/// A folder of a scene, whose inputs can be edited.
-struct Sim {
-    scratch: Scratch,
-    folder: PathBuf,
-}
-
-impl Sim {
-    fn of(scene: &Scene) -> Self {
-        let scratch = Scratch::new();
-        let folder = scratch.join("sim");
-        written(scene, &options(TargetVersion::V5_7_4), &folder);
-        Sim { scratch, folder }
-    }
-
-    /// Without what was written beside it: as a folder of somebody else's.
-    fn bare(scene: &Scene) -> Self {
-        let sim = Sim::of(scene);
-        std::fs::remove_file(sim.folder.join("mmxrt.toml")).unwrap();
-        sim
-    }
-
-    fn edit(&self, file: &str, from: &str, to: &str) -> &Self {
-        edit(&self.folder.join(file), from, to);
-        self
-    }
-
-    /// Takes away the element of this beginning, to its end.
-    fn without(&self, file: &str, beginning: &str, end: &str) -> &Self {
-        let path = self.folder.join(file);
-        let text = std::fs::read_to_string(&path).unwrap();
-        let start = text.find(beginning).unwrap_or_else(|| panic!("{beginning} in {text}"));
-        let length = text[start..].find(end).unwrap() + end.len();
-        std::fs::write(path, format!("{}{}", &text[..start], &text[start + length..])).unwrap();
-        self
-    }
-
-    fn read(&self) -> (Scene, Report) {
-        read(&self.folder, &SceneOptions::default())
-    }
-
-    /// Findings, and whether there are errors.
-    fn check(&self) -> (i32, String) {
-        let (code, out, err) = run(&["convert", "--check", self.folder.to_str().unwrap()]);
-        assert_eq!(err, "");
-        (code, out)
-    }
-}
-
-fn told(report: &Report, part: &str) -> bool {
-    report.notes.iter().any(|note| note.message.contains(part))
-}
+use crate::scratch::Scratch;
 
 fn grey(name: &str, reflectance: f64) -> Material {
     let reflectance = Spectrum::constant(reflectance);

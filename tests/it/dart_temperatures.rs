@@ -1,18 +1,16 @@
 //! Temperatures to DART and from there: those that are held, by materials and by cells, and those that are not.
 
-use std::path::PathBuf;
-
-use mmxrt::formats::dart::{self, ReadOptions, SceneOptions, TargetVersion};
+use mmxrt::formats::dart::{self, ReadOptions, SceneOptions};
 use mmxrt::geometry::MaterialId;
 use mmxrt::progress::unwatched;
-use mmxrt::report::{Fate, Report};
+use mmxrt::report::Fate;
 use mmxrt::scene::{Scene, Thermal};
 use mmxrt::spectral::{Band, Light, Spectrum};
 
 use crate::cli::run;
-use crate::dart_write::{options, read, tetrahedron, written};
+use crate::dart_sim::{Sim, told};
+use crate::dart_write::{read, tetrahedron};
 use crate::scenes::{edited, lambert};
-use crate::scratch::{Scratch, edit};
 use crate::shapes::direction;
 
 /// A tetrahedron of two materials, in light and in heat; its base is of the second.
@@ -31,54 +29,6 @@ fn warm() -> Scene {
 
 fn with_held(scene: &Scene, held_k: f64) -> Scene {
     edited(scene, |scene| scene.surface.materials[1].temperature_k = Some(held_k))
-}
-
-struct Sim {
-    _scratch: Scratch,
-    folder: PathBuf,
-}
-
-impl Sim {
-    fn of(scene: &Scene) -> Self {
-        let scratch = Scratch::new();
-        let folder = scratch.join("sim");
-        written(scene, &options(TargetVersion::V5_7_4), &folder);
-        Sim { _scratch: scratch, folder }
-    }
-
-    /// As somebody else's.
-    fn bare(scene: &Scene) -> Self {
-        let sim = Sim::of(scene);
-        std::fs::remove_file(sim.folder.join("mmxrt.toml")).unwrap();
-        sim
-    }
-
-    fn edit(&self, file: &str, from: &str, to: &str) -> &Self {
-        edit(&self.folder.join("input").join(file), from, to);
-        self
-    }
-
-    fn read(&self) -> (Scene, Report) {
-        read(&self.folder, &SceneOptions::default())
-    }
-
-    fn error(&self) -> String {
-        let options = ReadOptions::default();
-        let read = dart::read(&self.folder, &options).and_then(|(simulation, ..)| {
-            dart::to_scene(&simulation, &options.folder(&self.folder), &SceneOptions::default(), &unwatched)
-        });
-        read.unwrap_err().to_string()
-    }
-
-    fn check(&self) -> (i32, String) {
-        let (code, out, err) = run(&["convert", "--check", self.folder.to_str().unwrap()]);
-        assert_eq!(err, "");
-        (code, out)
-    }
-}
-
-fn told(report: &Report, part: &str) -> bool {
-    report.notes.iter().any(|note| note.message.contains(part))
 }
 
 /// Temperatures of materials that facets have.
@@ -107,9 +57,9 @@ fn what_is_held_is_isothermal_in_dart_and_comes_back() {
     assert!(!told(&report, "temperatures are spread"), "{report:#?}");
     // An edited temperature wins over what was written beside it.
     let sim = Sim::of(&scene);
-    sim.edit("coeff_diff.xml", "meanT=\"287.25\"", "meanT=\"300.5\"");
+    sim.edit("input/coeff_diff.xml", "meanT=\"287.25\"", "meanT=\"300.5\"");
     assert_eq!(held_k(&sim.read().0)[3], Some(300.5));
-    sim.edit("coeff_diff.xml", "meanT=\"300.5\" deltaT=\"0.0\"", "meanT=\"300.5\" deltaT=\"10.0\"");
+    sim.edit("input/coeff_diff.xml", "meanT=\"300.5\" deltaT=\"0.0\"", "meanT=\"300.5\" deltaT=\"10.0\"");
     let (back, report) = sim.read();
     assert!(held_k(&back)[3].is_none() && told(&report, "temperatures are spread"), "{report:#?}");
     // As scenes and as simulations these are another.
@@ -141,7 +91,7 @@ fn one_property_at_two_temperatures_is_two_materials() {
     // Both groups are of the first optical property, and keep their own temperatures.
     let sim =
         Sim::bare(&edited(&with_held(&warm(), 250.0), |scene| scene.surface.materials[0].temperature_k = Some(200.0)));
-    sim.edit("object_3d.xml", "indexFctPhase=\"1\" ident=\"heater\"", "indexFctPhase=\"0\" ident=\"rock\"");
+    sim.edit("input/object_3d.xml", "indexFctPhase=\"1\" ident=\"heater\"", "indexFctPhase=\"0\" ident=\"rock\"");
     let (back, _) = sim.read();
     assert_eq!(held_k(&back), [Some(200.0), Some(200.0), Some(200.0), Some(250.0)]);
     let names: Vec<&str> = back.body.materials.iter().map(|m| m.name.as_str()).collect();
@@ -156,14 +106,14 @@ fn a_link_to_no_temperature_is_refused_where_heat_counts() {
     let wrong =
         ("indexTemperature=\"1\" idTemperature=\"T_heater\"", "indexTemperature=\"9\" idTemperature=\"T_heater\"");
     let sim = Sim::bare(&with_held(&warm(), 250.0));
-    sim.edit("object_3d.xml", wrong.0, wrong.1);
+    sim.edit("input/object_3d.xml", wrong.0, wrong.1);
     let error = sim.error();
     assert!(error.contains("object_3d.xml:") && error.contains("temperature 9"), "{error}");
     let lit = edited(&warm(), |scene| {
         scene.exposure.bands = vec![Band { light: Light::Sunlight, ..Band::new(1.0, Some(0.1)) }]
     });
     let sim = Sim::bare(&lit);
-    sim.edit("object_3d.xml", wrong.0, wrong.1);
+    sim.edit("input/object_3d.xml", wrong.0, wrong.1);
     assert_eq!(held_k(&sim.read().0), [None; 4]);
     assert!(sim.check().1.contains("temperature 9"));
 }
@@ -203,13 +153,13 @@ fn of_cells(temperatures: &str) -> Sim {
     }
     std::fs::write(sim.folder.join("input/obj/surface.obj"), obj + &facets).unwrap();
     sim.edit(
-        "phase.xml",
+        "input/phase.xml",
         "<SpectralDomainTir temperatureMode=\"0\">",
         "<SpectralDomainTir temperatureMode=\"1\"><TemperatureFile temperatureFileName=\"temperatures.txt\"/>",
     );
     // The ground keeps its 0 K, and so stands for the sky.
     sim.edit(
-        "coeff_diff.xml",
+        "input/coeff_diff.xml",
         "idTemperature=\"T_space\" meanT=\"0.0\" deltaT=\"0.0\" useOpticalFactorMatrix=\"0\" override3DMatrix=\"0\"",
         "idTemperature=\"T_space\" meanT=\"0.0\" deltaT=\"0.0\" useOpticalFactorMatrix=\"0\" override3DMatrix=\"1\"",
     );
@@ -251,23 +201,23 @@ fn facets_have_the_temperatures_of_their_cells() {
     assert!(told(&report, "4 lie above all of them"), "{report:#?}");
     // Layers begin at the ground plane, though it stands for the sky: what begins 1.9 m above it ends 0.15 m above the second layer.
     let sim = of_cells(CELLS);
-    sim.edit("object_3d.xml", "zpos=\"0\"", "zpos=\"1.9\"");
+    sim.edit("input/object_3d.xml", "zpos=\"0\"", "zpos=\"1.9\"");
     let (scene, report) = sim.read();
     assert_eq!(held_k(&scene), expected);
     assert!(told(&report, "4 lie above all of them"), "{report:#?}");
     // A function that overrides them, and a scene without heat, do not ask.
     let sim = of_cells("what");
-    sim.edit("coeff_diff.xml", "override3DMatrix=\"0\"", "override3DMatrix=\"1\"");
+    sim.edit("input/coeff_diff.xml", "override3DMatrix=\"0\"", "override3DMatrix=\"1\"");
     assert_eq!(held_k(&sim.read().0), [None; 8]);
     let sim = of_cells("what");
-    sim.edit("phase.xml", "spectralDartMode=\"2\"", "spectralDartMode=\"0\"");
+    sim.edit("input/phase.xml", "spectralDartMode=\"2\"", "spectralDartMode=\"0\"");
     assert_eq!(held_k(&sim.read().0), [None; 8]);
 }
 
 #[test]
 fn the_ground_has_the_temperatures_of_cells_too() {
     let sim = of_cells(CELLS);
-    sim.edit("coeff_diff.xml", "override3DMatrix=\"1\"", "override3DMatrix=\"0\"");
+    sim.edit("input/coeff_diff.xml", "override3DMatrix=\"1\"", "override3DMatrix=\"0\"");
     let (scene, _) = sim.read();
     let body = &scene.body;
     assert_eq!(body.mesh.facets.len(), 8 + 8);
@@ -315,7 +265,7 @@ fn temperatures_that_are_none_are_refused_at_their_place() {
         }
     }
     std::fs::write(sim.folder.join("input/obj/surface.obj"), obj).unwrap();
-    sim.edit("maket.xml", "<CellDimensions x=\"1\" z=\"2\"/>", "<CellDimensions x=\"0.01\" z=\"2\"/>");
+    sim.edit("input/maket.xml", "<CellDimensions x=\"1\" z=\"2\"/>", "<CellDimensions x=\"0.01\" z=\"2\"/>");
     let error = sim.error();
     assert!(error.contains("more than 1024 materials") && error.contains("round them"), "{error}");
 }
@@ -332,22 +282,22 @@ fn other_ways_to_temperatures_are_told_in_a_line() {
         [("2", "layers from a file (`temperatureMode` 2)"), ("3", "its atmosphere (`temperatureMode` 3)")]
     {
         let sim = of_cells(CELLS);
-        sim.edit("phase.xml", "temperatureMode=\"1\"", &format!("temperatureMode=\"{mode}\""));
+        sim.edit("input/phase.xml", "temperatureMode=\"1\"", &format!("temperatureMode=\"{mode}\""));
         let (scene, report) = sim.read();
         let lines: Vec<_> = report.notes.iter().filter(|note| note.message.contains(message)).collect();
         assert!(lines.len() == 1 && lines[0].fate == Fate::Dropped && held_k(&scene) == [None; 8], "{report:#?}");
     }
     let sim = of_cells(CELLS);
-    sim.edit("phase.xml", "temperatureMode=\"1\"", "temperatureMode=\"4\"");
+    sim.edit("input/phase.xml", "temperatureMode=\"1\"", "temperatureMode=\"4\"");
     assert!(sim.error().contains("`temperatureMode` is 4: known are 0 to 3"));
     // Copies of the scene have its temperatures; on a slope it is not known which.
     let sim = of_cells(CELLS);
-    sim.edit("maket.xml", "exactlyPeriodicScene=\"0\"", "exactlyPeriodicScene=\"1\"");
+    sim.edit("input/maket.xml", "exactlyPeriodicScene=\"0\"", "exactlyPeriodicScene=\"1\"");
     let repeated = SceneOptions { repeat: 1, ..SceneOptions::default() };
     let (scene, _) = read(&sim.folder, &repeated);
     let once = [100.0, 101.0, 110.0, 111.0, 200.0, 201.0, 210.0, 211.0].map(Some);
     assert_eq!(held_k(&scene), once.repeat(9));
-    sim.edit("maket.xml", "exactlyPeriodicScene=\"1\"", "exactlyPeriodicScene=\"2\"");
+    sim.edit("input/maket.xml", "exactlyPeriodicScene=\"1\"", "exactlyPeriodicScene=\"2\"");
     let options = ReadOptions::default();
     let (simulation, ..) = dart::read(&sim.folder, &options).unwrap();
     let error =

@@ -74,6 +74,20 @@ fn a_label_says_of_the_numbers_what_the_header_does() {
     }
 }
 
+/// In an archive no two products have one identifier.
+#[test]
+fn labels_of_two_scenes_have_two_identifiers() {
+    let scratch = folder();
+    let mut found = Vec::new();
+    for (out, more) in [("one", "sensor.samples=2"), ("other", "sensor.samples=3"), ("same", "sensor.samples=2")] {
+        simulate(&scratch, out, &["--format", "pds4", "--set", more]);
+        let text = std::fs::read_to_string(scratch.join(out).join("cube.xml")).unwrap();
+        let (_, rest) = text.split_once("<logical_identifier>").unwrap();
+        found.push(rest.split_once('<').unwrap().0.to_owned());
+    }
+    assert!(found[0] != found[1] && found[0] == found[2] && found[0].starts_with("urn:nasa:pds:"), "{found:?}");
+}
+
 #[test]
 fn a_label_may_name_bands_that_are_not_there() {
     let scratch = folder();

@@ -190,3 +190,29 @@ fn a_point_in_the_image_is_found_there_though_the_slit_trembles() {
     }
     assert!(several > 10 && missed <= 2, "{several} {missed}");
 }
+
+/// Nothing that the scene is read from is written over.
+#[test]
+fn answers_spare_all_that_the_scene_names() {
+    let scratch = Scratch::new();
+    scratch.write("ground.obj", "mtllib ground.mtl\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nusemtl grey\nf 1 2 3 4\n");
+    scratch.write("ground.mtl", "newmtl grey\nKd 0.5 0.5 0.5\n");
+    scratch.write("blue.csv", "wavelength_um,reflectance\n0.5,0.1\n2,0.1\n");
+    scratch.write(
+        "scene.toml",
+        "mmxrt_scene = 1\norigin_m = [12000.0, 0.0, 0.0]\n[[mesh]]\nfile = \"ground.obj\"\npose = \"radial\"\n[materials]\n\
+         grey = { reflectance = \"blue.csv\" }\n[sun]\ndirection = [0.6, 0.8, 0.0]\ndistance_au = 1.5\n[thermal]\nmodel = \"off\"\n[observer]\n\
+         position_m = [13000.0, 0.0, 0.0]\ntarget_m = [12000.0, 0.0, 0.0]\nup = [0.0, 0.0, 1.0]\n\
+         [sensor]\nsamples = 4\nlines = 4\nifov_mrad = 1.0\nbands = { centres_um = [1.0] }\n",
+    );
+    let scene = scratch.argument("scene.toml");
+    for name in ["scene.toml", "ground.obj", "ground.mtl", "blue.csv"] {
+        let before = std::fs::read(scratch.join(name)).unwrap();
+        let (code, _, err) =
+            run(&["locate", &scene, "--pixel", "2,2", "-o", &scratch.argument(name), "--force", "--quiet"]);
+        assert!(code == 1 && err.contains("is read for it"), "{name}: {err}");
+        assert!(std::fs::read(scratch.join(name)).unwrap() == before, "{name}");
+    }
+    let answers = scratch.argument("answers.csv");
+    assert_eq!(run(&["locate", &scene, "--pixel", "2,2", "-o", &answers, "--quiet"]).0, 0);
+}

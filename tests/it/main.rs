@@ -43,6 +43,7 @@ mod dart_read;
 mod dart_sheets;
 #[cfg(feature = "sqlite")]
 mod dart_silence;
+mod dart_sim;
 mod dart_temperatures;
 mod dart_terrain;
 mod dart_write;

@@ -52,7 +52,7 @@ impl Key {
 
     /// With one part more.
     fn and(mut self, part: &[u8]) -> Self {
-        // None is the beginning of another one.
+        // Lengths first, so that no two lists of parts have one hash.
         self.0.update(&(part.len() as u64).to_le_bytes());
         self.0.update(part);
         self

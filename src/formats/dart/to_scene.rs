@@ -63,6 +63,8 @@ const UNKNOWN_REFLECTANCE: f64 = 0.1;
 const ROUNDS: usize = 8;
 /// Irradiances of bands that are off by more than this share are reported.
 const UNFIT: f64 = 1e-6;
+/// A view is a camera's own within the digits that DART prints of both.
+const SAME_VIEW_RAD: f64 = 1e-9;
 /// Where a simulation has no camera, one looks down from this many times the scene's extent.
 const CAMERA_DISTANCE: f64 = 10.0;
 
@@ -669,8 +671,9 @@ impl SceneBuilder<'_> {
         let (low_m, high_m) = corners_m.fold((first_m, first_m), |(lo, hi), v| (lo.min(v), hi.max(v)));
         let middle_m = 0.5 * (low_m + high_m);
         let is_camera = |view: &&[f64; 2]| {
-            let is_towards =
-                |c: &Pinhole| crate::geometry::angle_rad(frame::vector(**view), c.position_m - middle_m) < 1e-9;
+            let is_towards = |c: &Pinhole| {
+                crate::geometry::angle_rad(frame::vector(**view), c.position_m - middle_m) < SAME_VIEW_RAD
+            };
             self.simulation.phase.cameras.iter().any(is_towards)
         };
         let others = directions.views_deg.iter().filter(|v| !is_camera(v)).count();

@@ -14,21 +14,25 @@ use crate::formats::xml::Element;
 const NAMESPACE: &str = "http://pds.nasa.gov/pds4/pds/v1";
 const SCHEMA: &str = "http://pds.nasa.gov/pds4/pds/v1 https://pds.nasa.gov/pds4/pds/v1/PDS4_PDS_1G00.xsd";
 const MODEL: &str = "1.16.0.0";
+/// So many digits of a scene's hash are in an identifier, of which no two are the same in an archive.
+const SCENE: usize = 16;
 /// What stands where an archive's own words belong.
 const UNKNOWN: &str = "not stated";
 
-/// Writes the label of an image of ENVI, under its name with `.xml`; `title` says what it is.
+/// Writes the label of an image of ENVI, under its name with `.xml`; `title` says what it is, and the scene's name, a hash, makes its identifier another
+/// one than those of other scenes.
 ///
 /// # Errors
 /// [`Error::Io`], and those of reading the header.
-pub(in crate::formats) fn write(image: &Path, title: &str) -> Result<()> {
+pub(in crate::formats) fn write(image: &Path, title: &str, scene: Option<&str>) -> Result<()> {
     let (header_path, data) = envi::pair(image)?;
     let header = envi::read_header(&header_path)?;
     let bands = headers::open_envi(image)?.bands;
     let name = data.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stem = data.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
     let is_plain = |c: &char| c.is_ascii_alphanumeric() || ['-', '.', '_'].contains(c);
-    let id: String = stem.chars().filter(is_plain).collect();
+    let scene = scene.and_then(|hash| hash.get(..SCENE)).map_or(String::new(), |hash| format!("{hash}-"));
+    let id: String = scene.chars().chain(stem.chars()).filter(is_plain).collect();
     let axis = |name: &str, elements: usize, number: usize| {
         Element::new("Axis_Array")
             .and(text("axis_name", name))

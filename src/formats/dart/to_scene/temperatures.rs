@@ -17,6 +17,8 @@ use super::{SceneBuilder, light};
 
 /// So many materials a scene may have once those of cells are told apart by their temperatures.
 const MOST_MATERIALS: usize = 1024;
+/// Facets wider than this many cells have a part in others: what exceeds 1 is rounding.
+const ROUNDED: f64 = 1.0 + 1e-9;
 
 /// What is known of the temperature of what links make.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -163,8 +165,7 @@ impl SceneBuilder<'_> {
             let corners_m = mesh.facet(f).corners_m;
             let extent_m =
                 corners_m[0].max(corners_m[1]).max(corners_m[2]) - corners_m[0].min(corners_m[1]).min(corners_m[2]);
-            // Rounding is no width.
-            let is_wide = extent_m.x.max(extent_m.y) > cell_m * (1.0 + 1e-9) || extent_m.z > layer_m * (1.0 + 1e-9);
+            let is_wide = extent_m.x.max(extent_m.y) > cell_m * ROUNDED || extent_m.z > layer_m * ROUNDED;
             wide += usize::from(is_wide);
             let centre_m = mesh.facet(f).centroid_m();
             let within = |at_m: f64, size_m: f64| match self.options.repeat {

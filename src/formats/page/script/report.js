@@ -55,7 +55,7 @@ function tellGeometry() {
   const said = [Number.isFinite(of.north_deg) ? `north ${degrees(of.north_deg)}` : "north along the line of sight", Number.isFinite(of.sun_deg) ? `Sun ${degrees(of.sun_deg)}` : "Sun along the line of sight"];
   if (Number.isFinite(of.mars_deg)) said.push(`Mars ${degrees(of.mars_deg)}`);
   const view = Array.isArray(of.view) && of.view.every(Number.isFinite) ? `; the camera looks along (${of.view.map((v) => String(Number(v.toFixed(3)))).join(", ")}) in the body's axes` : "";
-  holder.replaceChildren(svg, element("figcaption", `From up by the right: ${said.join(", ")}${view}`));
+  holder.replaceChildren(svg, element("figcaption", `Clockwise from up: ${said.join(", ")}${view}`));
 }
 
 function tellCoarse() {
