@@ -121,6 +121,10 @@ fn refused(input: &Path, found: &Result<(&crate::formats::Format, PathBuf)>, err
 }
 
 fn nothing(input: &Path) -> Error {
+    if input.join("products").is_dir() && input.join("sights").is_dir() {
+        let problem = Problem::new(Location::file(input), "is a campaign that has no maps yet");
+        return Error::Invalid(vec![problem.with_help("view it when all is made, or one of its products now")]);
+    }
     let problem = Problem::new(Location::file(input), "is nothing that a page can show");
     let help = "a product folder of `simulate` or `integrate`, the folder of a campaign or a chart, an image, or spectra can be viewed; `mmxrt inspect` tells of other files";
     Error::Invalid(vec![problem.with_help(help)])

@@ -405,3 +405,12 @@ fn nothing_but_a_page_is_replaced() {
     assert!(code == 1 && error.contains("ends in .html"), "{error}");
     assert_eq!(std::fs::read_to_string(&scene).unwrap(), "mmxrt_scene = 1\n");
 }
+
+#[test]
+fn a_campaign_that_has_not_ended_says_so() {
+    let scratch = Scratch::new();
+    folder(&scratch, "c/products");
+    folder(&scratch, "c/sights");
+    let (code, _, error) = run(&["view", &scratch.argument("c")]);
+    assert!(code == 1 && error.contains("has no maps yet"), "{error}");
+}

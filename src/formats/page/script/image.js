@@ -38,10 +38,10 @@ function sized(columns, rows) {
   fit();
 }
 
-/** As large as there is room. */
+/** As large as there is room; pictures with text that stand alone at most as they are. */
 function fit() {
   const canvas = by("image"), room = by("holder").getBoundingClientRect(), [columns, rows] = page.size || [canvas.width, canvas.height];
-  const scale = Math.min(room.width / columns, room.height / rows);
+  const scale = Math.min(room.width / columns, page.size ? room.height / rows : 1);
   by("frame").style.width = `${Math.max(columns * scale, 1)}px`;
   by("frame").style.height = `${Math.max(rows * scale, 1)}px`;
   marks();
